@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.march import Coordinates, Joint
-from analytic.march.compiled import DONE, new_motion, new_work
+from analytic.march.compiled import DONE
 from analytic.march.initial_state import carried_over
 from analytic.march.many import advance_many
 from analytic.march.march import MOST_SWITCHES, next_switches, settle_status
+from analytic.march.motion import new_motion, new_work
 from analytic.march.tables import IntArray
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
@@ -47,9 +48,7 @@ class JointEnsemble:
         return failed
 
     def deviations(self, which: IntArray, origin: SectionPoint) -> FloatArray:
-        """Deviations of the members `which` from a section point. See
-        `lapjoint.orbits.ensemble.Ensemble.deviations`.
-        """
+        """Deviations of members from a section point. See `lapjoint.orbits.ensemble.Ensemble.deviations`."""
         joint, n = self._joint, self._joint.count(origin.state)
         found: FloatArray = np.zeros((len(which), 2, n))
         slots = self._slots[which]

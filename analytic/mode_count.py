@@ -68,16 +68,12 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
-    """e_N for N = 1 ... pool - 1, shape ``(pool - 1,)``, with sums cut at `pool` modes; of the two states the
-    larger.
-    """
+    """e_N for N = 1 ... pool - 1, ``(pool - 1,)``, with sums cut at `pool` modes; of the two states the larger."""
     return _error(_criterion(problem), pool)
 
 
 def most_closed(problem: Problem) -> ContactState:
-    """The contact state with the stiffer side's stops closed at every position, and so never both sides of one
-    position.
-    """
+    """The contact state with the stops of the stiffer side closed at every position."""
     sides: dict[float, dict[str, float]] = {}
     for stop in problem.stops:
         here = sides.setdefault(stop.x, {})
@@ -163,9 +159,7 @@ class _SuddenAnswer:
     """The most that the modes from each on may sum to, m for a unit load, shape ``(pool - 1,)``."""
 
     def error(self, omega: float) -> FloatArray:
-        """Share of the left-out modes in the largest deflection, ``(pool - 1,)``, under a load of frequency `omega`,
-        rad/s.
-        """
+        """Share of the left-out modes in the largest deflection, ``(pool - 1,)``, under a load of `omega`, rad/s."""
         slowed = np.maximum(self.square, omega**2)  # inertia makes the answer of the modes below it smaller
         most = np.abs((1 / np.where(slowed > 0, slowed, np.inf)) @ self.parts).max()
         return np.asarray(self.left_out / (most + np.finfo(float).tiny))

@@ -22,13 +22,13 @@ from analytic.march import (
 )
 from analytic.march.arcs import JointArcs
 from analytic.march.carried import size_of
-from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import resumed, started, translated
 from analytic.march.joint import DrivenProblem
 from analytic.march.loads import Excitation, Harmonics
 from analytic.march.march import joined, recorded
+from analytic.march.motion import Log, new_log
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -118,9 +118,7 @@ class PeriodMap:
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state to `duration`, s, in the pieces in which the search for periodic motions
-        marches.
-        """
+        """The motion from the initial state to `duration`, s, in the pieces in which periodic motions are marched."""
         recorded(0.0, new_log(1, max(self.joint.counts), self.joint.stops), duration / self.period)  # at least
         motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
@@ -154,9 +152,7 @@ class PeriodMap:
         return self.norm(point.coordinates.ravel())
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """The point moved by a deviation, with the stops closed that its gaps imply. See
-        `lapjoint.orbits.PeriodMap.moved`.
-        """
+        """The point moved by a deviation, its stops as its gaps imply. See `lapjoint.orbits.PeriodMap.moved`."""
         return resumed(self.joint, origin.state, origin.coordinates + deviation.reshape(2, -1))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:

@@ -265,9 +265,7 @@ class Solver:
         )
 
     def _finer(self, counts: tuple[int, int]) -> tuple[Solver, float] | None:
-        """This solver with `FINER` times as many modes as `counts`, and the ratio; None if nearly all modes
-        are in use.
-        """
+        """This solver with `FINER` times as many modes as `counts`, and the ratio; None near the limit on modes."""
         free, contact = (min(math.ceil(count * FINER), MOST_MODES) for count in counts)
         ratio = min(free / counts[0], contact / counts[1])
         return (replace(self, free_modes=free, contact_modes=contact), ratio) if ratio >= LEAST_FINER else None

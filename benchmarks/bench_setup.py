@@ -17,7 +17,7 @@ from analytic.modes import normal_modes
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support, paper_joint
 
 _STOPS = tuple(
-    Stop(x=0.2 + 0.8 * (i + 1) / 12, side=("top", "bottom")[i % 2], gap=5e-4 * (1 + i % 3), stiffness=100.0)
+    Stop(x=0.2 + 0.8 * ((i + 1) / 12), side=("top", "bottom")[i % 2], gap=5e-4 * (1 + i % 3), stiffness=100.0)
     for i in range(12)
 )
 TWELVE_STOPS = Problem(

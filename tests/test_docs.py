@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from lapjoint.cli.main import main
+from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -42,7 +43,7 @@ def test_python_prints_what_stands_below_it(code: str, shown: str, capsys: pytes
     assert capsys.readouterr().out == shown
 
 
-def test_the_problem_files_of_their_page_are_some(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     rows = (f"{i / 1000},{i % 3}" for i in range(9))
     Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
@@ -99,7 +100,7 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
-BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md")]
+BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
 
 
 @pytest.mark.parametrize("page", [*PAGES, *BESIDE], ids=lambda page: page.name)
@@ -137,6 +138,29 @@ def test_every_fence_and_formula_is_closed() -> None:
         assert re.sub(r"```.*?```|`[^`]*`", "", text, flags=re.DOTALL).count("$") % 2 == 0
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("title", "masses = []\ntitle"),
+        ("title", "gravity = 9.81\ntitle"),
+        ("title", "links = []\ntitle"),
+        ("[beam]", "[[beam]]"),
+        ("450.0 ", "[450.0, 900.0]"),
+        ("gap = 1e-3", "gap = -1e-3"),
+        ("gap = 1e-3", "gap = 1e-3\ndamping = 3.0"),
+        ("gap = 1e-3", "gap = 1e-3\nfriction = 0.3"),
+    ],
+)
+def test_what_a_problem_cannot_say_is_refused(old: str, new: str) -> None:
+    """The page of limitations promises a message; a key that comes to mean something changes that page."""
+    assert "An unknown key" in (DOCS / "limitations.md").read_text(encoding="utf-8")
+    page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
+    problem = re.findall(r"^```toml\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)[0]
+    assert from_toml(problem)
+    with pytest.raises(InputError):
+        from_toml(problem.replace(old, new, 1))
+
+
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SHAKER = (DOCS / "from-a-shaker.md").read_text(encoding="utf-8")
 ROW = re.compile(r"[-+.\de]*\d[-+.\de]*\*?")
@@ -155,7 +179,7 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
     shown_rows = re.findall(r"^[-\d.]+;.*$", SHAKER, re.MULTILINE)
     assert Path("shaker.csv").read_text(encoding="utf-8").splitlines()[2:4] == shown_rows
     (block,) = CONSOLE.findall(SHAKER)
-    line, _, shown = block.removeprefix("$ lapjoint ").partition("\n")
+    line, _, shown = block.replace("\\\n", "").removeprefix("$ lapjoint ").partition("\n")
     result = CliRunner().invoke(main, shlex.split(line))
     assert result.exit_code == 0, result.output
     both = ([row for row in text.splitlines() if "*" not in row] for text in (shown, result.stdout))
@@ -169,10 +193,12 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
 
 
 ALL_PAGES = {name_of(page): page for page in PAGES} | {page.name: page for page in BESIDE}
+LONGEST = 92
+"""Letters of a line of a terminal that the site shows without scrolling, at the width of a laptop."""
 SHOWN = [
     pytest.param(line.partition(" #")[0].strip().removesuffix("&").strip(), id=f"{name}: {line[:50].strip()}")
     for name, page in ALL_PAGES.items()
-    for block in CONSOLE.findall(page.read_text(encoding="utf-8"))
+    for block in CONSOLE.findall(page.read_text(encoding="utf-8").replace("\\\n", ""))
     for line in re.findall(r"^\$ ((?:\.venv/bin/)?(?:lapjoint|dask) .*)$", block, re.MULTILINE)
 ]
 
@@ -190,6 +216,13 @@ def test_every_command_that_a_page_shows_has_these_options(line: str) -> None:
     assert command is not None, name
     with command.make_context(name, words, parent=context) as parsed:
         assert parsed.params
+
+
+def test_no_command_is_cut_at_the_margin_of_the_site() -> None:
+    for name, page in ALL_PAGES.items():
+        for block in CONSOLE.findall(page.read_text(encoding="utf-8")):
+            for line in re.findall(r"^(?:\$|   ) .*$", block, re.MULTILINE):
+                assert len(line) <= LONGEST, (name, line)
 
 
 def test_every_option_that_a_page_names_is_one() -> None:

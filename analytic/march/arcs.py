@@ -287,9 +287,7 @@ def _write(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
 
 @njit_inner()
 def _free_rates(tables: Tables, slot: int, s: float, term: ComplexArray, poly: FloatArray, rates: FloatArray) -> None:
-    """Write d(q, v)/dt, ``(2 N,)``, but for the answer to the harmonics, `s` seconds after the start; `term` is that of
-    then.
-    """
+    """Write d(q, v)/dt, ``(2 N,)``, without the forced motion, at the time `s` since the start, of `term`."""
     n = tables.modes[slot]
     for i in range(n):
         rates[i], rates[n + i] = poly[i, 1] + 2 * s * poly[i, 2], 2 * poly[i, 2]
@@ -317,8 +315,7 @@ def _forced_rates(tables: Tables, slot: int, theta: ComplexArray, rates: FloatAr
 def _at_stop(
     tables: Tables, slot: int, u: int, theta: ComplexArray, q: FloatArray, row: FloatArray
 ) -> tuple[float, float]:
-    """The displacement at a position of stops, m, and its derivative by time, m/s, while (q, v) less the forced motion
-    stays.
+    """Displacement at a position of stops, m, and its rate, m/s, while (q, v) less the forced motion stays.
 
     `row`, shape ``(2 N,)``, takes the derivatives of the displacement by (q, v), kg^-1/2.
     """
@@ -338,9 +335,7 @@ def _at_stop(
 
 @njit_inner()
 def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, values: FloatArray) -> None:
-    """Write `sign` times a row's product with deviations `w`; the columns from `n` on also move the time, by 1 times
-    `by_time`.
-    """
+    """Write `sign` times a row's product with deviations `w`, and add `by_time` in the columns from `n` on."""
     for c in range(w.shape[1]):
         values[c] = sign * by_time if c >= n else 0.0
     for j in range(w.shape[0]):
@@ -352,9 +347,7 @@ def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, 
 
 @njit_inner()
 def _passed(tables: Tables, old: int, k: int, theta: ComplexArray, live: int, n: int, there: FloatArray) -> FloatArray:
-    """Deviations w after a stop has switched, from the deviations `there` before, which are zero for modes from `live`
-    on.
-    """
+    """Deviations w after a switch, of the deviations `there` before, which are 0 for modes from `live` on."""
     new = tables.next_slot[old, k]
     n_old, n_new, columns = tables.modes[old], tables.modes[new], there.shape[1]
     row = tables.passage[old, k]
@@ -424,8 +417,7 @@ def _add_passage_change(
 
 @njit_called()
 def _write_motion(tables: Tables, slots: IntArray, times: FloatArray, rows: FloatArray, motion: Motion) -> None:
-    """Write the terms of ``S`` arcs at the positions of the stops to the rates, amplitudes, weights and polynomial of
-    `motion`.
+    """Write the terms of ``S`` arcs at the positions of the stops to the arrays of `motion`.
 
     `slots`, ``(S,)``, holds the contact state of each arc, `times`, s, ``(S,)``, when it begins, and `rows`, ``(S, 2
     N)``, (q, v), kg^1/2 m and kg^1/2 m/s, then.

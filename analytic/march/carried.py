@@ -6,21 +6,8 @@ import math
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    MISSING_SWITCH,
-    PENDING,
-    PERIODS,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Motion,
-    Work,
-    enter,
-    leave,
-)
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE, MISSING_SWITCH, STUCK, TOO_MANY, enter, leave
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled.arrays import put, zeros
@@ -34,9 +21,7 @@ _WITHIN_REACH = 1e100
 
 @njit_called()
 def size_of(deviation: FloatArray, period: float) -> float:
-    """The size |dq| + |dv| period / 2 pi of a deviation (dq, dv), ``(2 N, 1)``, kg^1/2 m; `period` is the excitation's,
-    s.
-    """
+    """The size |dq| + |dv| period / 2 pi, kg^1/2 m, of a deviation (dq, dv), ``(2 N, 1)``; `period` in s."""
     n = deviation.shape[0] // 2
     q, v = 0.0, 0.0
     for i in range(n):
@@ -145,9 +130,7 @@ def _rescale(deviation: FloatArray, period: float) -> float:
 
 @njit_inner()
 def _next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period at the time 0, and add the penetrations over time of the ended period, m s, to `penetration`,
-    ``(P,)``.
-    """
+    """Begin a period at the time 0, and add the old one's penetrations over time to `penetration`, m s, ``(P,)``."""
     for k in range(motion.total.size):
         penetration[k] += motion.total[k]
         motion.total[k] = 0.0

@@ -29,9 +29,7 @@ class Change(NamedTuple):
 
 @njit_inner()
 def changes_of_answers(tables: Tables, change: Change, slots: IntArray) -> ComplexArray:
-    """Derivatives of `Tables.harmonic`, per unit of the parameter, shape ``(S, H, N)``, zero in states not among
-    `slots`, ``(M,)``.
-    """
+    """Derivatives of `Tables.harmonic` by the parameter, ``(S, H, N)``, 0 in states not among `slots`, ``(M,)``."""
     changes, done = complex_zeros(tables.harmonic.shape), bool_zeros(tables.modes.size)
     for slot in slots:
         if done[slot]:
@@ -82,8 +80,7 @@ def add_forced_change(
 
 @njit_inner()
 def forced_change(tables: Tables, change: Change, changes: ComplexArray, slot: int, u: int, h: int) -> complex:
-    """Derivative of the forced motion's complex amplitude at position `u` of stops for harmonic `h`, m per unit of the
-    parameter.
+    """Derivative by the parameter of the forced motion's complex amplitude, m, at position `u` for harmonic `h`.
 
     `changes`, ``(S, H, N)``, are `changes_of_answers`.
     """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.joint import Joint
+from analytic.march.motion import Log
 from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
 from lapjoint.compiled.arrays import bool_zeros, int_zeros, zeros

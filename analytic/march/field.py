@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
+from analytic.march.motion import Log
 from analytic.march.ramp_segment import coordinates_on_ramps
 from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray

@@ -58,9 +58,7 @@ def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, fl
 
 @njit_inner()
 def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
-    """Add what rigid-body modes contribute to `out`, shape ``(U, 4)``, beside the polynomial, `s` seconds after its
-    start.
-    """
+    """Add the rigid-body modes' part beside the polynomial to `out`, ``(U, 4)``, `s` seconds after the start."""
     e0, e1, e2, e3, _ = fading_powers(rigid.drag, s)
     for u in range(out.shape[0]):
         out[u, 0] += rigid.jerk[u] * e3

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.linearised import carried_along
 from analytic.march.march import March
+from analytic.march.motion import Log
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
@@ -96,8 +96,7 @@ def _outline(
 
 @njit_called()
 def _deviations(tables: Tables, slots: IntArray, starts: FloatArray, A: ComplexArray, drift: FloatArray) -> None:
-    """Write to `A`, ``(M, T, n)``, what deviations do to the free terms, and to `drift`, ``(M, P, 2, n)``, to
-    rigid-body modes.
+    """Write the parts of deviations in free terms, `A`, ``(M, T, n)``, and in rigid modes, `drift`, ``(M, P, 2, n)``.
 
     `slots`, ``(M,)``, holds the state of each segment, and `starts`, ``(M, 2 N, n)``, what `carried_along` gives.
     Terms that a state does not have become 0.

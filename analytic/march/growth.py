@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from analytic.march.carried import size_of
-from analytic.march.compiled import SWITCHES
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended
+from analytic.march.motion import SWITCHES
 from analytic.march.periods import Periods, march_on, room_for
 from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray

@@ -29,9 +29,7 @@ _AS_IT_WAS, _ANOTHER, _NOT_FINITE = 0, 1, 2
 
 
 def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
-    """Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, ``(N,)`` each, of the initial state in the given
-    modes.
-    """
+    """Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, ``(N,)``, of the initial state."""
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
@@ -129,9 +127,7 @@ def _settle(
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
-    """The motion, at a multiple of the period, in the modes of the contact state `state`; what they cannot hold is left
-    out.
-    """
+    """The motion, at a multiple of the period, in the modes of `state`; what they cannot hold is left out."""
     if state == begin.state:
         return begin
     return Coordinates(state, *carried_over(joint, begin.state, state, begin.q, begin.v))

@@ -115,22 +115,16 @@ class Joint:
         return modal_state(self.loaded, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
-        """The residual shapes, m, of the 1 + H + R loads as they are, the constant load first, sampled loads of unit
-        size.
-        """
+        """The residual shapes, m, of the 1 + H + R loads as they are: the constant load is first."""
         return self.modal(state).residual.scaled(self.sizes)
 
     def shapes_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """An x-derivative, of order 0 to 3, of the modes of a state at `x`, m, ``(n,)``: kg^-1/2 m^-dx, ``(N, n)``;
-        read only.
-        """
+        """The `dx`-th x-derivative of a state's modes at `x`, m, ``(n,)``: kg^-1/2 m^-dx, ``(N, n)``; read only."""
         modes = self.modal(state).modes
         return self._at_positions(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
 
     def residual_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """The x-derivative of order `dx` of the residual shapes at `x`, m, ``(n,)``: m^(1 - dx), ``(1 + H + R, n)``;
-        read only.
-        """
+        """The `dx`-th x-derivative of `residual` at `x`, m, ``(n,)``: m^(1 - dx), ``(1 + H + R, n)``; read only."""
         return self._at_positions(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
 
     def _at_positions(self, key: tuple[Any, ...], make: Callable[[], FloatArray], positions: int) -> FloatArray:

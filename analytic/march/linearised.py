@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.march import WITH_ALL_AT_ONCE, March
+from analytic.march.motion import Log
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
@@ -113,9 +113,7 @@ def _times(left: FloatArray, since: FloatArray) -> FloatArray:
 
 @njit_inner()
 def _units(rows: int, n: int, live: int) -> FloatArray:
-    """Units of the deviations of the first `live` of ``n`` modes as columns, and a column without deviation for the
-    level.
-    """
+    """Units of the deviations of the first `live` of ``n`` modes as columns, and a zero column for the level."""
     begin = zeros((rows, 2 * live + 1))
     for j in range(live):
         begin[j, j] = begin[n + j, live + j] = 1.0

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from lapjoint.compiled.arrays import int_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called
@@ -25,8 +25,7 @@ def advance_many(
     motion: Motion,
     work: Work,
 ) -> tuple[int, int]:
-    """March many motions over `count` periods each, as `analytic.march.carried.advance_periods` does, without
-    deviations.
+    """March many motions over `count` periods each, as `advance_periods` does, without deviations.
 
     `begin` says at which index of `which`, ``(k,)``, to begin, and 1 if `motion` is on its way already, else 0.
     `which` holds the rows that are marched.  `slots`, ``(S,)``, `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(S, N)``, are the

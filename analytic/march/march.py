@@ -7,25 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    LOG_FULL,
-    MISSING_SWITCH,
-    PENDING,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Log,
-    Motion,
-    advance,
-    new_log,
-    new_motion,
-    new_work,
-    no_log,
-)
+from analytic.march.compiled import DONE, LOG_FULL, MISSING_SWITCH, STUCK, TOO_MANY, advance
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.motion import PENDING, SLOT, SWITCHES, Log, Motion, new_log, new_motion, new_work, no_log
 from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -56,7 +41,7 @@ class Segment:
     v: FloatArray
     """Modal velocities at the start, kg^1/2 m/s, shape ``(N,)``."""
     switched: int
-    """The stop that switches at the end, or `analytic.march.segment.NO_SWITCH`."""
+    """The stop that switches at the end, or `analytic.march.motion.NO_SWITCH`."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +142,7 @@ class Marching:
         self._motion.counts[SWITCHES] = 0
 
     def logs_to(self, goal: float) -> Iterator[Log]:
-        """March on to a time, s, at which a segment ends; gives the segments since the last log, none if there is no
-        room.
+        """March on to a time, s, at which a segment ends; gives the new segments, or none if there is no room.
 
         `SolverError` is raised where there are too many switches, or the march makes no progress.
         """
@@ -210,9 +194,7 @@ def ended(joint: Joint, motion: Motion) -> Coordinates:
 
 
 def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
-    """Make a switch known that the tables lack, if `status` says so, or raise `SolverError` if the march
-    cannot go on.
-    """
+    """Make a switch known that the tables lack, or raise `SolverError` if the march cannot go on."""
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
         joint.connect(slot, int(motion.counts[PENDING]))

@@ -54,8 +54,7 @@ def mean_rate_at_stop(
     poly: FloatArray,
     row: FloatArray,
 ) -> tuple[float, float, float]:
-    """The mean rate, m/s, over `d` seconds at position `u` of stops, and its derivatives by the duration and by time,
-    m/s2.
+    """The mean rate at position `u` of stops, m/s, over `d` seconds; its derivatives by duration and time, m/s2.
 
     `theta`, ``(H,)``, `term`, ``(T,)``, and `poly`, ``(N, 3)``, are those at the start.  The derivative by the time of
     the start is taken while (q, v) less the answer to the harmonics stays.  `row`, ``(2 N,)``, takes the derivatives by

@@ -40,8 +40,7 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
 
 @njit_inner()
 def forced_answer(force: float, omega: float, damping_rate: float, driven: float) -> complex:
-    """Complex amplitude, kg^1/2 m, of a mode's answer to a harmonic (28), (29), such that q_i = Im(answer exp(i
-    theta)).
+    """Complex amplitude, kg^1/2 m, of a mode's answer to a harmonic (28), (29): q_i = Im(answer exp(i theta)).
 
     `force` is the modal force, kg^1/2 m/s2; `omega`, rad/s, and `damping_rate`, 1/s, are those of the mode, and
     `driven`, rad/s, is the frequency of the harmonic.  The off-diagonal entries of (29) are C* omega.
@@ -51,9 +50,7 @@ def forced_answer(force: float, omega: float, damping_rate: float, driven: float
 
 
 def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
-    """Whether `away_from_resonance` may move one of the modes, of frequencies, rad/s, and damping rates, 1/s,
-    ``(...)``.
-    """
+    """Whether `away_from_resonance` may move a mode, of given frequencies, rad/s, and damping rates, 1/s."""
     return bool((damping_rate < _NEARLY * omega).any())
 
 

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, Motion, new_work
+from analytic.march.compiled import DONE, MISSING_SWITCH
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, begun, ended, next_switches, settle_status
+from analytic.march.motion import SWITCHES, Motion, new_work
 from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray
 

@@ -81,9 +81,7 @@ def start_on_ramps(
     term: ComplexArray,
     body: FloatArray,
 ) -> None:
-    """Write the constants `term` of (32), ``(T,)``, and `body` of a state that starts at `t`, s, from `q` and `v`,
-    ``(N,)``.
-    """
+    """Write the constants `term` of (32), ``(T,)``, and `body` of a state that starts at `t`, s, from `q`, `v`."""
     n, H, R = tables.modes[slot], theta.size, ramps.slope.shape[1]
     extra = n
     for i in range(n):
@@ -173,9 +171,7 @@ def state_on_ramps(
     order: int,
     q: FloatArray,
 ) -> None:
-    """Write to `q`, ``(N,)``, the time derivative of order 0 to 2 of the modal displacements, kg^1/2 m over s^order, at
-    `t`, s.
-    """
+    """Write the time derivative of `order` 0 to 2 of q at `t`, s, to `q`, ``(N,)``, kg^1/2 m over s^order."""
     for i in range(tables.modes[slot]):
         x = tables.static[slot, i, 0] if order == 0 else 0.0
         for h in range(theta.size):

@@ -83,8 +83,7 @@ class RampState:
         self._made: RampTables | None = None
 
     def move_to(self, t: float) -> float:
-        """Go on to the block that the time `t`, s, is in, and give the time at which the block ends, infinite for the
-        last one.
+        """Go on to the block of the time `t`, s, and give the time at which it ends, infinite for the last block.
 
         `t` is not before that of the last call.  A march up to the end of the block may take `tables` then.
         """
@@ -105,9 +104,7 @@ class RampState:
 
 
 def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
-    """The tables with another block of the ramps; the modal arrays, and what a march carries, are shared with
-    `made`.
-    """
+    """The tables with another block of the ramps; all other arrays are shared with `made`."""
     whole = made.whole if block.spacing == made.spacing else np.exp(joint.tables.root * block.spacing)
     return made._replace(time=block.time, force=block.force, slope=block.slope, spacing=block.spacing, whole=whole)
 
@@ -115,8 +112,7 @@ def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
 def ramp_tables(
     joint: Joint, ramps: Ramps, carried: tuple[IntArray, BoolArray, FloatArray] | None = None
 ) -> RampTables:
-    """The ramps of a joint in all the states that it has met so far, with as many slots as its tables; unused slots are
-    0.
+    """The ramps of a joint in all the states that it has met, with as many slots as its tables.
 
     `carried` are `interval`, `goes_on` and `shift`, new ones if not given.
     """

@@ -36,6 +36,7 @@ import numpy as np
 
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
+from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, Motion, Work
 from analytic.march.ramp_segment import (
     interval_at,
     move_body,
@@ -64,8 +65,6 @@ from lapjoint.compiled.arrays import put, zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
-NO_SWITCH = -1  # in place of a stop: none switches before the end
-NO_PROGRESS = -2  # in place of a stop: the steps ran out
 _CLOSE = 1e-6
 """Length of a step, over the unit of time, below which all modes are summed at the next look.  So close to a switch,
 the bound on the high modes would make the steps short, and not the motion."""
@@ -81,52 +80,39 @@ _TINY = 1e-300  # m, m/s3: keeps divisions by a bound of 0 finite
 def follow(
     tables: Tables,
     ramps: RampTables | None,
-    slot: int,
-    start: float,
+    motion: Motion,
+    work: Work,
     end: float,
     shortest: float,
-    fresh: BoolArray,
-    held: BoolArray,
     depth: bool,
-    theta: ComplexArray,
-    term: ComplexArray,
-    poly: FloatArray,
-    q: FloatArray,
-    v: FloatArray,
-    area: FloatArray,
-    deepest: FloatArray,
-) -> tuple[float, int, float]:
-    """Follow one state from `start`, s, up to its first switch, or to `end`, s, at the latest; along ramps to a knot.
+) -> None:
+    """Follow the present state up to its first switch, or to `end`, s, at the latest; along ramps to a knot.
 
     A closed form holds for the whole state, or, along ramps, from knot to knot; along ramps the state is left after
     `LOGGED` knots at the latest.  A state that switches lasts `shortest` seconds at least, unless `end` is before.
 
-    `fresh`, ``(P,)``, says which stops switched a moment ago: such a stop has to leave 0 at once, or pass a threshold
-    of rounding size, before it can switch again.  `held`, ``(P,)``, says which stops may not switch at all.  `theta`,
-    ``(H,)``, is turned from the start to the end.  `term`, ``(T,)``, and `poly`, ``(N, 3)``, are scratch.  `q`, kg^1/2
-    m, and `v`, kg^1/2 m/s, ``(N,)``, are replaced by those at the end.  `area`, m s, ``(P,)``, takes the time integral
-    of the penetration of each closed stop, and `deepest`, m, ``(P,)``, its deepest penetration, if `depth`; 0 for an
-    open stop.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.  Returned are the time of the end, s,
-    the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its h', m/s.
+    `motion` goes on; its pending stop is the one that switches, NO_SWITCH if none, or NO_PROGRESS if the steps ran out.
+    `work` has the phases at the start in `theta`, and in `fresh` and `held` the stops that switched a moment ago and
+    those that may not switch at all: a fresh stop has to leave 0 at once, or pass a threshold of rounding size, before
+    it can switch again.  `work.area` takes the time integral of the penetration of each closed stop, and, if `depth`,
+    `work.deepest` its deepest penetration.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.
     """
+    slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
+    theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest
     positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
     drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
     theta0, term0 = theta.copy(), term[:terms].copy()
     for k in range(stops):
         area[k] = deepest[k] = 0.0
+    base, j, beginning = start, 0, True
     if ramps is None:
-        base, j, beginning, shift, rigid = start, 0, True, zeros(stops), None
+        rigid, shift = None, zeros(stops)
         start_terms(tables, slot, theta, q, v, term, poly)
         drift_at_stops(tables, slot, poly, drift)
     else:
-        base, j, beginning, shift = (
-            start,
-            interval_at(ramps, ramps.interval[0], start),
-            not ramps.goes_on[0],
-            ramps.shift,
-        )
+        j, beginning = interval_at(ramps, ramps.interval[0], start), not ramps.goes_on[0]
         jerk, body = zeros(positions), zeros((2, 4))
-        rigid = Rigid(jerk, ramps.drag[slot])
+        rigid, shift = Rigid(jerk, ramps.drag[slot]), ramps.shift
         start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
     while True:
         until, width, whole = end, end - base, False
@@ -138,10 +124,11 @@ def follow(
         for k in range(terms):
             term0[k] = term[k]
         s, which, rate = search(
-            tables, slot, width, drift, rigid, tail, fresh, held, beginning, shift, theta, term, whole
+            tables, slot, width, drift, rigid, tail, work.fresh, work.held, beginning, shift, theta, term, whole
         )
         if which == NO_PROGRESS:
-            return base + s, which, rate
+            motion.time[0], motion.counts[PENDING] = base + s, which
+            return
         if ramps is not None and whole and which == NO_SWITCH:
             turn_whole(tables, ramps, slot, theta0, term0, theta, term)
         beginning, ended = False, which != NO_SWITCH or until == end
@@ -151,10 +138,11 @@ def follow(
             if tables.closed[slot, k]:
                 so_far, goes_on = deepest[k], not leaves
                 deepest[k] = deepest_of(tables, slot, k, s, theta0, term0, drift, rigid, so_far, goes_on)
+        if ramps is None:
+            break  # without ramps there is no loop to compile, which takes a tenth of the time that all else does
         if not ended:
             base, j = until, j + 1
-            if ramps is not None:
-                over_knot(tables, ramps, slot, j, s, theta, term, body)
+            over_knot(tables, ramps, slot, j, s, theta, term, body)
         if leaves:
             break
     for k in range(stops):
@@ -173,7 +161,7 @@ def follow(
         state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
         state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
         ramps.interval[0], ramps.goes_on[0] = j, True
-    return base, which, rate
+    motion.time[0], motion.time[1], motion.counts[PENDING] = base, rate, which
 
 
 @njit_inner()
@@ -304,8 +292,7 @@ def _first_look(
     theta: ComplexArray,
     shift: FloatArray,
 ) -> None:
-    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts, as the modes of two states differ in
-    truncation.
+    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts: states differ by truncation.
 
     `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T + 1)``, is that of `bound_tails`.
     """

@@ -37,8 +37,7 @@ def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
 
 
 def free_energy(joint: Joint, state: ContactState) -> FloatArray:
-    """The matrix A, ``(2 n, 2 n)``, of the energy e . A e / 2, J, of deviations (q, v) in a state's modes, free of
-    contact.
+    """A of the energy e . A e / 2, J, of deviations e = (q, v) in a state's modes, free of contact, ``(2 n, 2 n)``.
 
     The joint without contact is held.
     """

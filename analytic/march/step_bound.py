@@ -21,8 +21,7 @@ _TINY = 1e-300  # s: keeps that upper end above 0
 
 @njit_called()
 def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) -> float:
-    """A time, s, just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0, or `most` if none
-    is before.
+    """A time just below the first root of h + h1 tau + h2 tau^2/2 + b3 tau^3/6, s, or `most` if none is before.
 
     `h`, m, is 0 or less; `h1`, m/s, and `h2`, m/s^2, are the derivatives now; `b3`, m/s^3, is positive; `most` is in s.
     """
@@ -72,9 +71,7 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
 @njit_called()
 def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float) -> bool:
-    """Whether a gap function is above 0 `sharp` seconds after `tau`, whatever its third derivative within the bound
-    `b3`.
-    """
+    """Whether a gap function is above 0 `sharp` seconds after `tau`, for any third derivative within `b3`."""
     x = tau + sharp
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 

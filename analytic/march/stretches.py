@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.initial_state import started
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, Marching, joined
+from analytic.march.motion import Log
 
 
 @dataclass(frozen=True)

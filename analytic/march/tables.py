@@ -158,8 +158,7 @@ def tabulated_steps(problem: Problem) -> FloatArray:
 
 
 def unit_of_time(step: FloatArray, harmonics: Harmonics) -> float:
-    """The time by which the march measures short times, s: sqrt(m / EI) L^2, or 1 / Omega of the fastest load if that
-    is less.
+    """The time by which short times are measured, s: sqrt(m / EI) L^2, or 1 / Omega of the fastest load if less.
 
     `step`, s, ``(J,)``, are the tabulated steps.
     """
@@ -293,8 +292,7 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
 
 
 def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int) -> Tables:
-    """Tables without a state: zeros for each of `slots` slots, -1 for the slots after its switches, room for
-    `switches`.
+    """Tables without a state, with so many slots and room for so many switches.
 
     `size` is the largest number of modes in a state.
     """
@@ -377,8 +375,7 @@ def _scale(
     sizes: FloatArray,
     side: float,
 ) -> bool:
-    """`scale`, but for the free motion of moved modes; whether there are any. `omega` takes their frequencies, ``(S,
-    N)``.
+    """`scale`, but for the free motion of moved modes, whose frequencies `omega` takes; whether there are any.
 
     Sums are formed mode by mode, so that a state has the same bits in any slot.  To hand over these few arrays takes a
     fifth of the time that all tables would.

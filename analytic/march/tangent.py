@@ -143,8 +143,7 @@ def saltation(
     then: FloatArray,
     work: Switching,
 ) -> None:
-    """Carry deviations over a switch of stop `k` in state `old`, from `now`, ``(2 N_old, m)``, to `then`, ``(2 N_new,
-    m)``.
+    """Carry deviations `now`, ``(2 N_old, m)``, over a switch of stop `k` in state `old` to `then`, ``(2 N_new, m)``.
 
     The motion, kg^1/2 m and kg^1/2 m/s, ``(N,)``, is `q_old` and `v_old` just before the switch, `q_new` and `v_new`
     just after; `rate` is h' at the switch, m/s, and `theta`, ``(H,)``, exp(i theta_h).  Only the deviations of the

@@ -50,9 +50,7 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
-    """Write the constants of (32), `term`, ``(T,)``, and `poly`, ``(N, 3)``, of a state that starts from `q` and `v`,
-    ``(N,)``.
-    """
+    """Write the constants of (32), `term`, ``(T,)``, and `poly`, ``(N, 3)``, of a state that starts from `q`, `v`."""
     n = tables.modes[slot]
     extra = n
     for i in range(n):
@@ -109,9 +107,7 @@ def state_from_terms(
     q: FloatArray,
     v: FloatArray,
 ) -> None:
-    """Write the displacements and velocities, `q` and `v`, ``(N,)``, that belong to terms and phases `s` seconds after
-    the start.
-    """
+    """Write the `q` and `v`, ``(N,)``, that belong to terms and phases `s` seconds after the start."""
     n, terms = tables.modes[slot], tables.terms[slot]
     for i in range(n):
         q[i] = poly[i, 0] + s * (poly[i, 1] + s * poly[i, 2])
@@ -128,8 +124,7 @@ def state_from_terms(
 
 @njit_inner()
 def tabulated(tau: float, step: FloatArray) -> int:
-    """Index of the longest tabulated step of `step`, s, ``(J,)``, up to `tau`, s, which is no shorter than the shortest
-    step.
+    """Index of the longest tabulated step of `step`, s, ``(J,)``, up to `tau`, s, which is at least the shortest.
 
     See `analytic.march.tables.OCTAVES`: the step is at least four fifths of a `tau` up to twice the first step.
     """
@@ -165,8 +160,7 @@ def turn_briefly(
     term: ComplexArray,
     theta: ComplexArray,
 ) -> None:
-    """Move terms and phases on by `tau` seconds, in place: by a short series if `fastest` times `tau` is at most
-    `SERIES`.
+    """Move terms and phases on by `tau` seconds, in place, by a short series up to `SERIES` of the fastest turn.
 
     `fastest`, 1/s, is the largest modulus of `root`; the other arguments are those of `turn_exactly`.
     """
@@ -210,9 +204,7 @@ def turn_exactly(
 
 @njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
-    """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the positions of the stops, m over powers of
-    s.
-    """
+    """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m over powers of s."""
     for u in range(drift.shape[0]):
         drift[u, 0] = tables.constant[slot, u]
         drift[u, 1] = 0.0

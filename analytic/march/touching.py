@@ -1,4 +1,4 @@
-r"""Which stops are closed at t = 0, also where the beam touches a stop with one or more vanishing derivatives.
+r"""Which stops are closed at t = 0, also where the beam touches a stop and derivatives of the gap function vanish.
 
 A stop beyond its gap is closed.  Where the beam is at the gap, the first time derivative of the gap function that is
 not 0 decides: if it is positive, the stop is closed from t = 0 on; if it is negative, the beam departs and the stop is
@@ -59,9 +59,7 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
 
 
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
-    """The stops that the initial state closes, and the stops at whose gap the beam is at rest, which it leaves
-    undecided.
-    """
+    """The stops that the initial state closes, and the undecided ones, at whose gap the beam is at rest."""
     closed, touching, initial = [], [], problem.initial
     along = np.linspace(0.0, problem.beam.length, 65)
     far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))

@@ -81,9 +81,7 @@ class BeamFunctions:
         return BeamFunctions(nodes, self.mu, self.right, self.c[:, span] * moved, self.p[:, span])
 
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
-        """Combinations ``matrix @ functions``, one for each row of `matrix`, ``(n, n)``, of functions with equal
-        exponents.
-        """
+        """Combinations ``matrix @ functions`` of functions with equal exponents; `matrix` is ``(n, n)``."""
         return BeamFunctions(
             self.nodes,
             self.mu,

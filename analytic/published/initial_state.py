@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import SLOT
 from analytic.march.initial_state import TOUCHING, initial_coordinates
+from analytic.march.motion import SLOT
 from analytic.march.switching import switch_frozen
 from analytic.march.touching import by_displacement_and_velocity
 from analytic.published.joint import FrozenMotion, PublishedJoint

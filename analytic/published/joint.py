@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.compiled import SLOT, Motion, new_motion
 from analytic.march.joint import Joint
 from analytic.march.known_states import KnownStates
 from analytic.march.modal_state import LoadedStructure, passage
+from analytic.march.motion import SLOT, Motion, new_motion
 from analytic.march.switching import Frozen
 from analytic.march.tables import Tables, Unscaled, count_in
 from lapjoint.answers.contact_state import ContactState
@@ -37,9 +37,7 @@ class PublishedJoint(Joint):
     """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
-        """A motion at the time 0, from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, in a state's modes, without a
-        frozen shape.
-        """
+        """A motion at the time 0 from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, without a frozen shape."""
         slot, size = self.slot(state), max(self.counts)
         moving = new_motion(slot, 0.0, q, v, size, self.stops)
         return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
@@ -98,9 +96,7 @@ def _fill_products(
 
 
 def _between(loaded: LoadedStructure, counts: tuple[int, int], old: ContactState, new: ContactState) -> FloatArray:
-    """S_ij of (43) from the modes of `old` to those of `new`, computed in one direction only: the other has other last
-    bits.
-    """
+    """S_ij of (43) from the modes of `old` to those of `new`, computed in one direction, for the last bits."""
     if old == new:
         return np.eye(count_in(old, counts))
     if old.closed > new.closed:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import DONE, LOG_FULL, PENDING, Log, advance, new_log, new_work
+from analytic.march.compiled import DONE, LOG_FULL, advance
 from analytic.march.march import MOST_SWITCHES, March, copied, ended, joined, settle_status
-from analytic.march.segment import NO_SWITCH
+from analytic.march.motion import NO_SWITCH, PENDING, Log, new_log, new_work
 from analytic.published.joint import FrozenMotion, PublishedJoint
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress

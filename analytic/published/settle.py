@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, Work, advance
+from analytic.march.compiled import DONE, advance
+from analytic.march.motion import PERIODS, SLOT, Log, Motion, Work
 from analytic.march.switching import Frozen, freeze
 from analytic.march.tables import IntArray, Tables
 from lapjoint.compiled.arrays import put

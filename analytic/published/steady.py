@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import PERIODS, SWITCHES, new_log, new_work
 from analytic.march.march import MOST_SWITCHES, settle_status
+from analytic.march.motion import PERIODS, SWITCHES, new_log, new_work
 from analytic.published.field import history_of
 from analytic.published.initial_state import packed, started
 from analytic.published.joint import FrozenMotion, PublishedJoint
@@ -151,9 +151,7 @@ def _mean_impulses(problem: Problem, rows: FloatArray) -> FloatArray:
 
 
 def is_symmetric(history: History) -> bool:
-    """Whether z(x, t + T/2) = -z(x, t) at the stops, to 1e-4 of the largest displacement, in a motion of the
-    length T.
-    """
+    """Whether z(x, t + T/2) = -z(x, t) at the stops, to `_SYMMETRIC`, in a motion of the length T."""
     half = (history.end - history.start) / 2
     t = history.start + half * np.arange(_SAMPLES) / _SAMPLES
     x = np.array(sorted({stop.x for stop in history.problem.stops} or {history.problem.beam.length}))
@@ -162,9 +160,7 @@ def is_symmetric(history: History) -> bool:
 
 
 def _residual(motion: PublishedMarch, period: float) -> float:
-    """Distance of the modal coordinates at the end from those at the start, over their size; infinite in
-    another state.
-    """
+    """Distance of the coordinates at the end from those at the start, over their size; infinite between states."""
     first, end = motion.segments[0], motion.end
     if first.state != end.state:
         return math.inf

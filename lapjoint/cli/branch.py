@@ -50,6 +50,11 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     help="Points of all branches, each times its period multiple, after which no further branch is followed.",
 )
 @click.option(
+    "--from-grazes",
+    is_flag=True,
+    help="Also look beside each graze for motions that have its contact every second period alone.",
+)
+@click.option(
     "--also-over",
     "second",
     metavar="PATH=VALUES",
@@ -69,6 +74,7 @@ def branch(
     errors: bool,
     max_points: int,
     effort: int,
+    from_grazes: bool,
     second: str | None,
     solver: SolverChoice,
     work: Work,
@@ -101,6 +107,7 @@ def branch(
         max_points=max_points,
         effort=effort,
         also_over=also_over,
+        from_grazes=from_grazes,
     )
     found = found_or_stored(plan, "branch", "these branches", find_branches, work, search=True)
     print_branches(found)

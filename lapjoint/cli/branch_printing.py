@@ -86,6 +86,7 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
         echo(f"effort = {dataset.attrs['effort']} is spent: the branches of {motions} were not followed")
     for i in range(int(dataset.sizes.get("uncovered", 0))):
         echo(_uncovered_text(dataset, i))
+    echo(_unknown_text(dataset))
     for reason in dataset.failure_message.values if "failure_message" in dataset else ():
         echo(f"not followed: {reason}")
 
@@ -99,9 +100,32 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
     return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
 
 
+def _unknown_text(dataset: xr.Dataset) -> str:
+    """How likely it is that a branch is unknown, in a sentence; with a second number, on average over its values."""
+    from lapjoint.campaigns.branches.unknown import Reached
+
+    if not int(dataset.attrs["starts"]):
+        return "no random starts were made, which would tell how likely a further branch is: see --starts"
+    also = second_number_of(dataset)
+    where = "" if also is None else f" at each of {dataset[also].size} values of {dataset[also].attrs['path']}"
+    starts, branches, alone = (int(dataset[f"starts_{name}"].sum()) for name in ("stable", "branches", "alone"))
+    reached = Reached(starts, branches, alone)
+    first = f"{_counted(int(dataset.attrs['starts']), 'random start')}{where}: {starts} led to stable motions"
+    if reached.probability is None:
+        return f"{first}, so that nothing is known of further branches"
+    return (
+        f"{first} on {_counted(branches, 'branch', 'es')}, to {alone or 'none'} of which nothing else led; another one "
+        f"that leads to a stable motion would find an unknown branch with a probability of about "
+        f"{100 * reached.probability:.2g} % (95 %: below {100 * reached.bound:.2g} %)"
+    )
+
+
+def _counted(count: int, name: str, ending: str = "s") -> str:
+    return f"{count} {name}{'' if count == 1 else ending}"
+
+
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """Bifurcation `j` in a line: its value with its error and its name; of a graze also the stop, and how the branch
-    goes on."""
+    """Bifurcation `j` in a line: value, error and name; of a graze also the stop, and how the branch goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

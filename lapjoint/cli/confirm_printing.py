@@ -40,8 +40,7 @@ def print_confirmed(dataset: xr.Dataset) -> None:
 
 
 def disagreement_text(dataset: xr.Dataset, j: int) -> str:
-    """Bifurcation `j`, on which the solvers do not agree, in a line: its number, both values with errors, and the
-    verdict."""
+    """Bifurcation `j`, on which the solvers do not agree, in a line with both values, their errors and the verdict."""
     row = dataset.isel(bifurcation=j)
     own = f"{float(row.value):.9g} ± {float(row.error):.1g}"
     other = f"{float(row.other_value):.9g} ± {float(row.other_error):.1g}"

@@ -8,6 +8,5 @@ from lapjoint.files.plain_text import escaped
 
 
 def echo(text: str = "", *, err: bool = False, nl: bool = True) -> None:
-    """Print text, whatever names from files and arguments are in it, to standard output or, with `err`, standard
-    error."""
+    """Print text that may hold names from files and arguments, to standard output or, with `err`, standard error."""
     click.echo(escaped(text), err=err, nl=nl)

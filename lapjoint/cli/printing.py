@@ -28,8 +28,7 @@ COLUMNS = 80
 _NUMBER = 12
 """Characters of a number, with the space before it."""
 _TIMES = 2049
-"""Times in a period at which distances to the stops are taken, exact to 3e-5 for ten half waves, and odd for
-symmetry."""
+"""Times in a period at which distances to the stops are taken: exact to 3e-5 for ten half waves."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5

@@ -60,15 +60,13 @@ class ByReference(types.Type):  # type: ignore[misc]
 
 
 def by_reference(kind: type[T]) -> type[T]:
-    """Let compiled functions take a named tuple, of arrays in C order and of floats, by its address; returns its
-    class."""
+    """Let compiled functions take a named tuple of arrays in C order and floats by its address; returns its class."""
     typeof_impl.register(kind)(_type_of)
     return kind
 
 
 def in_c_order(values: T) -> T:
-    """A named tuple with its arrays in C order, for functions that do not write to them; arrays in C order are not
-    copied."""
+    """A named tuple with its arrays in C order, copied if they are not, for functions that only read them."""
     kind: Any = type(values)
     made: T = kind._make(np.ascontiguousarray(it) if isinstance(it, np.ndarray) else it for it in values)
     return made

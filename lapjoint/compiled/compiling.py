@@ -42,8 +42,7 @@ _RARELY = 50_000
 nearly all of them live until the end, and the usual searches take a ninth of the time."""
 
 _OWN: dict[Callable[..., Any], bool] = {}
-"""The compiled functions of this project, and whether their loops are vectorised; other functions are left as they
-are."""
+"""The compiled functions of this project, and whether their loops are vectorised; others are left alone."""
 
 
 def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]:

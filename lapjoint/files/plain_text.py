@@ -14,8 +14,7 @@ _FORMULA = re.compile(r"[\s\x00-\x1f]*[=+\-@]|[\t\r]")
 
 
 def escaped(text: str) -> str:
-    """Text for a terminal: characters that are neither printable nor an end of line are written as ``\\x1b`` and the
-    like."""
+    """Text for a terminal: characters other than printable ones and ends of lines are written like ``\\x1b``."""
     if text.isprintable():
         return text
     return "".join(sign if sign.isprintable() or sign in "\n\u00a0" else _number(sign) for sign in text)

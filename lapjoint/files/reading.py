@@ -13,8 +13,7 @@ from pathlib import Path
 from lapjoint.errors import InputError
 
 MOST_FROM_PIPES = 100_000_000
-"""Most bytes from a pipe or a device: as many as in the problem file of a million stops, far more than in a dataset of
-5000 points."""
+"""Most bytes from a pipe or a device: as many as in the problem file of a million stops."""
 
 
 def read_file(path: str | Path, name: str = "") -> bytes:

@@ -70,8 +70,7 @@ def standing_pool(workers: int) -> Iterator[StandingPool]:
 
 
 def new_pool(workers: int) -> ProcessPoolExecutor:
-    """A pool whose processes are known to start, anew and deaf to Ctrl-C; `end_pool` ends it. A `SolverError` if they
-    do not."""
+    """A pool whose processes are known to start, anew and deaf to Ctrl-C, else a `SolverError`; `end_pool` ends it."""
     for _ in range(MOST_STARTS):
         pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
         try:

@@ -62,8 +62,7 @@ def cached(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]]
 
 
 def bytes_in(value: object) -> int:
-    """The size of the arrays that a value holds, in its fields and items, too, bytes; an array held twice counts
-    twice."""
+    """The size of the arrays in a value, in its fields and its items, bytes; an array held twice counts twice."""
     if isinstance(value, np.ndarray):
         return value.nbytes
     if isinstance(value, tuple):

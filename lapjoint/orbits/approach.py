@@ -70,8 +70,7 @@ def forecast(
     size: float,
     most: int,
 ) -> Forecast:
-    """What becomes of a deviation e from a stable orbit: whether the march is bound for it, or how long to march before
-    looking.
+    """Whether a march is bound for a stable orbit by its deviation e, or how long to march before looking again.
 
     `matrix`, (n, n), is the derivative M of the orbit's map; `vectors`, (n, n), has its eigenvectors as columns;
     `deviation`, (n,), is e at the start of the orbit; `size` is the Euclidean norm of the orbit's section point. All

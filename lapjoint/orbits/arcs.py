@@ -106,12 +106,10 @@ class Arcs(Protocol):
         """
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:
-        """(q, v), shape (n,), in the modes of a contact state, a `duration` of either sign after `time`, s from a
-        period's multiple."""
+        """(q, v), shape (n,), a `duration` of either sign, s, after `time`, in one contact state and its modes."""
 
     def point(self, state: ContactState, coordinates: FloatArray) -> SectionPoint:
-        """A state of the motion as a section point of the period map; `coordinates` are (q, v) in the modes of `state`,
-        (n,)."""
+        """The section point with `coordinates` (q, v), (n,), in the modes of its contact state."""
 
     def coordinates(self, point: SectionPoint) -> FloatArray:
         """(q, v), shape (n,), of a section point of this problem and resolution, in the modes of its contact state."""

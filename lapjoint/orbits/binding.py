@@ -26,13 +26,12 @@ from lapjoint.orbits.ensemble import Ensemble, ensemble_of
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap, decay_periods
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Search, as_linearised
+from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, SteadyStateSearch, as_linearised
 from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
 _STRIDE = 4
-"""Periods between the first two comparisons; later an eighth of the periods marched, so that comparisons cost
-little."""
+"""Periods between the first two comparisons; later an eighth of the periods marched, which costs little."""
 _PATIENCE = 64
 """Least number of periods after which a start that is bound to no known motion is searched alone."""
 _DECAY_TIMES = 8.0
@@ -40,7 +39,7 @@ _DECAY_TIMES = 8.0
 
 
 @dataclass(frozen=True)
-class End:
+class StartEnd:
     """Where a start ends."""
 
     motion: int | None
@@ -56,8 +55,7 @@ class End:
 
 
 class Binder:
-    """The motions of one problem that are known so far, and what binds starts to them; the growth of deviations is not
-    measured."""
+    """The known motions of one problem, to which starts are bound; the growth of deviations is not measured."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, motions: Iterable[CertifiedMotion] = ()) -> None:
         self._map, self._effort, self._half_periods = period_map, effort, HalfPeriods(period_map)
@@ -74,15 +72,15 @@ class Binder:
         return other
 
     @in_one_thread
-    def ends(self, starts: Sequence[SectionPoint]) -> list[End]:
+    def ends(self, starts: Sequence[SectionPoint]) -> list[StartEnd]:
         """Where each start ends; motions that are found on the way are added to `motions`."""
-        party = _Party(ensemble_of(self._map, starts), len(starts))
-        while party.marching.size:
-            self._march(party, party.marched + self._patience)
+        group = _StartGroup(ensemble_of(self._map, starts), len(starts))
+        while group.marching.size:
+            self._march(group, group.marched + self._patience)
             found = False
-            while party.marching.size and not found:
-                found = self._search(party, int(party.marching[0]))
-        return [end for end in party.ends if end is not None]
+            while group.marching.size and not found:
+                found = self._search(group, int(group.marching[0]))
+        return [end for end in group.ends if end is not None]
 
     @property
     def _patience(self) -> int:
@@ -90,51 +88,51 @@ class Binder:
         most = max(1, self._effort.max_periods // 2)
         return min(max(_PATIENCE, decay_periods(self._map, _DECAY_TIMES, most)), most)
 
-    def _march(self, party: _Party, until: int) -> None:
+    def _march(self, group: _StartGroup, until: int) -> None:
         """March all starts together up to some number of periods, and bind those that a known motion traps."""
         until = min(until, self._effort.max_periods)
-        while self._traps and party.marching.size:
-            self._bind(party)
-            left = until - party.marched
+        while self._traps and group.marching.size:
+            self._bind(group)
+            left = until - group.marched
             if left <= 0:
                 break
-            party.march(party.marching, min(max(_STRIDE, party.marched // 8), left))
+            group.march(group.marching, min(max(_STRIDE, group.marched // 8), left))
 
-    def _bind(self, party: _Party) -> None:
+    def _bind(self, group: _StartGroup) -> None:
         """Bind the starts that a known motion traps: first by its linearised map, then by the next step."""
         for motion, trap in self._traps:
-            orbit, which = trap.orbit, party.marching
+            orbit, which = trap.orbit, group.marching
             if not which.size:
                 return
-            before = party.ensemble.deviations(which, orbit.point)
+            before = group.ensemble.deviations(which, orbit.point)
             held = trap.holds(before)
             which, before = which[held], before[held]
             if not which.size:
                 continue
-            which, before = party.stepped(which, before, self.motions[motion].period_multiple)
-            after = party.ensemble.deviations(which, orbit.point)
+            which, before = group.stepped(which, before, self.motions[motion].period_multiple)
+            after = group.ensemble.deviations(which, orbit.point)
             for j, i in enumerate(which.tolist()):
                 if as_linearised(self._half_periods, orbit, before[j], partial(after.__getitem__, j)):
-                    party.end(i, motion, self.motions[motion].outcome)
+                    group.end(i, motion, self.motions[motion].outcome)
 
-    def _search(self, party: _Party, i: int) -> bool:
+    def _search(self, group: _StartGroup, i: int) -> bool:
         """Search one start alone from where it is now; whether it found a motion that was not known."""
-        left = max(self._effort.max_periods - party.periods(i), 1)
+        left = max(self._effort.max_periods - group.periods(i), 1)
         effort = Effort(self._effort.max_period_multiple, left, self._effort.max_switches, growth=False)
-        first_look = FIRST_LOOK_NEAR if party.periods(i) else FIRST_LOOK
+        first_look = FIRST_LOOK_NEAR if group.periods(i) else FIRST_LOOK
         try:
-            found = Search(self._map, effort).run(party.ensemble.point(i), min(first_look, left))
+            found = SteadyStateSearch(self._map, effort).run(group.ensemble.point(i), min(first_look, left))
         except SolverError as error:
-            party.fail(i, str(error))
+            group.fail(i, str(error))
             return False
         accepted, motion = found.acceptance, found.motion
-        party.count(i, accepted.periods)
+        group.count(i, accepted.periods)
         if not isinstance(motion, Orbit):
-            party.end(i, None, motion.outcome, accepted.pushes)
+            group.end(i, None, motion.outcome, accepted.pushes)
             return False
         before = len(self.motions)
         index = self._take(certified(self._half_periods, motion))
-        party.end(i, index, self.motions[index].outcome, accepted.pushes)
+        group.end(i, index, self.motions[index].outcome, accepted.pushes)
         return len(self.motions) > before
 
     def _take(self, motion: CertifiedMotion) -> int:
@@ -150,12 +148,12 @@ class Binder:
         return index
 
 
-class _Party:
+class _StartGroup:
     """Starts that march together, and the ends that are known."""
 
     def __init__(self, ensemble: Ensemble, count: int) -> None:
         self.ensemble = ensemble
-        self.ends: list[End | None] = [None] * count
+        self.ends: list[StartEnd | None] = [None] * count
         self.marching: IndexArray = np.arange(count)
         """The starts that have no end yet."""
         self.marched = 0
@@ -193,5 +191,5 @@ class _Party:
 
     def end(self, i: int, motion: int | None, outcome: Outcome | None, pushes: int = 0, message: str = "") -> None:
         """Give a start its end."""
-        self.ends[i] = End(motion, outcome, self.periods(i), pushes, message)
+        self.ends[i] = StartEnd(motion, outcome, self.periods(i), pushes, message)
         self.marching = self.marching[self.marching != i]

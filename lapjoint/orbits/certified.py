@@ -59,8 +59,7 @@ def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
 
 
 def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> CertifiedMotion | None:
-    """The mirror image of a motion, z -> -z half a period later; None if it is the motion itself, or no motion of the
-    problem."""
+    """The mirror image of a motion, z -> -z half a period later; None if it is no other motion of the problem."""
     twins = half_periods.twins
     if twins is None or motion.symmetric:
         return None

@@ -103,8 +103,7 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
 ) -> tuple[FloatArray, IndexArray]:
-    """Times of the switches of one stop in the period before, in this one, and in the one after, and their indices,
-    (k,) each.
+    """Times and indices of one stop's switches in the period before, in this one, and in the one after, (k,) each.
 
     `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each. `stop` is
     the one that is asked for, and `beyond` the one whose switches the other periods hold: its twin where the orbit goes
@@ -130,8 +129,7 @@ def unrolled(
 
 @njit_called()
 def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
-    """Time from each switch to the nearest other one of the same stop, before or after, s, shape (J,); inf without
-    another.
+    """Time from each switch to the nearest other one of its stop, before or after, s, (J,); inf without another.
 
     `times` and `stops`, (J,), and `length` are those of `unrolled`; `beyond`, (P,), is that of `Stops`.
     """
@@ -151,8 +149,7 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
 
 @njit_called()
 def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
-    """Ends of intervals of equal width in each segment, the first and the last interval halved some times, shape (I,)
-    each.
+    """Ends of equal intervals in each segment, the first and the last halved some times, (I,) each.
 
     `duration`, (S,), are the lengths of the segments, and `width` is the largest width of an interval, s. Returned are
     the segment of each point and the time from its start, s.
@@ -185,8 +182,7 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of each stop at the nearer end of each interval, not below 0, and by how much it may be less within, m,
-    (P, I).
+    """Distance of stops at the nearer end of each interval, m, 0 at least, and how much less it may be within, (P, I).
 
     `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. A stop that truncation
     leaves beyond its gap at a switch switches again when it comes back to where it was left.
@@ -289,8 +285,7 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
 def among_switches(
     start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
-    """Index of the stop's last switch before each interval, or -1, and time since then, s, or inf; likewise of the
-    next; (P, I).
+    """Index of a stop's last switch before each interval, or -1, and the time since, s, or inf; of its next; (P, I).
 
     `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit; `times` and `which`, (J,), are
     those of all switches and their stops; `beyond`, (P,), is that of `Stops`; `length` is that of the orbit, s.

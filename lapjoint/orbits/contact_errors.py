@@ -12,14 +12,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
-
-IndexArray = npt.NDArray[np.intp]
 
 PARTED = 0.1
 """Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
@@ -51,27 +49,34 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         finite = np.where(np.isfinite(values), values, 0.0)
         bounds = refinement.bounds(values, np.maximum.accumulate(finite))
         errors.append(np.where(together, bounds, np.inf))
+    ends = np.array([contact.end for contact in history.contacts])
     sizes = np.array([(abs(contact.impulse), contact.peak_force) for contact in history.contacts]).reshape(-1, 2)
-    contacts = tuple(
-        replace(
-            contact,
-            start_error=0.0 if contact.open_start else float(start + ROUNDING * contact.end),
-            impulse_error=float(impulse + ROUNDING * largest[0]),
-            peak_force_error=float(peak + ROUNDING * largest[1]),
-        )
-        for contact, start, impulse, peak, largest in zip(
-            history.contacts, *errors, np.maximum.accumulate(sizes), strict=True
-        )
-    )
+    impulses, peaks = ROUNDING * np.maximum.accumulate(sizes).T
+    start, impulse, peak = errors
+    contacts = with_errors(history.contacts, start + ROUNDING * ends, impulse + impulses, peak + peaks)
     source = f"compared with {refinement.name}"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
     return replace(history, contacts=contacts, error_source=source)
 
 
+def with_errors(
+    contacts: Sequence[Contact], start: FloatArray, impulse: FloatArray, peak: FloatArray
+) -> tuple[Contact, ...]:
+    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start begins exactly."""
+    return tuple(
+        replace(
+            contact,
+            start_error=0.0 if contact.open_start else float(start[i]),
+            impulse_error=float(impulse[i]),
+            peak_force_error=float(peak[i]),
+        )
+        for i, contact in enumerate(contacts)
+    )
+
+
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion with infinite errors of its contacts, as none can be stated for some reason, though they were asked
-    for."""
+    """A motion with infinite errors of its contacts: errors were asked for, but a reason forbids to state them."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -79,8 +84,7 @@ def without_contact_errors(history: History, reason: str) -> History:
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
-    """How far contacts are from their partners in another motion; with a `period`, s, of both, times are compared
-    modulo it."""
+    """Distances of contacts from their partners in another motion, modulo a `period`, s, if both have one."""
     start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
@@ -114,8 +118,7 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
 
 
 def parting(contacts: Sequence[Contact], found: Differences) -> int:
-    """Index of the first contact, in the order of time, at which two marches have parted; the number of contacts if
-    none."""
+    """Index of the first contact, by time, at which two marches have parted; the number of contacts if none."""
     near = PARTED * _spacings(contacts)
     beyond = np.isfinite(found.start) & (found.start > near)
     return int(np.argmax(beyond)) if beyond.any() else len(contacts)

@@ -25,8 +25,7 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
 _HELD = 1e-9
-"""Least restraint of a rigid-body motion by the supports, over a unit motion: supports that give less do not hold
-it."""
+"""Least restraint of a rigid-body motion by supports that hold it, over a unit motion."""
 _IMMOVABLE = 1e-12
 """Compliance at a place, over L^3 / EI, below which a support holds the place: rounding of the shapes is less."""
 _ALIKE = 1e-6
@@ -53,20 +52,17 @@ class DisplacedStarts(Protocol):
     """
 
     def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
-        """The static shapes of unit forces at `places`, m, shape (p,), as deviations in the coordinates that belong to
-        `origin`."""
+        """The static shapes of unit forces at `places`, m, (p,), as deviations in the coordinates of `origin`."""
 
     def energy(self, origin: SectionPoint) -> FloatArray:
-        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` in the joint without
-        contact.
+        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` without contact.
 
         It is symmetric and positive definite.
         """
 
 
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
-    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by none in the other, (2,
-    n).
+    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by 0 in the other, (2, n).
 
     An `InputError` says that the joint without contact is not held, a support holds a place, or both places move alike.
     """
@@ -89,8 +85,7 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
 
 
 def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) -> FloatArray:
-    """A deviation, (n,), drawn evenly from all whose energy does not exceed `energy`, J; `roots`, (n, n), are
-    `energy_roots`."""
+    """A deviation, (n,), drawn evenly from all of at most an `energy`, J; `roots`, (n, n), are `energy_roots`."""
     rng = np.random.default_rng(seed)
     n = roots.shape[1]
     direction = rng.standard_normal(n)
@@ -99,8 +94,7 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 
 
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
-    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint without contact must be
-    held.
+    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint must be held.
 
     It takes the unit ball to the deviations from `origin` of an energy of at most 1/2 J.
     """

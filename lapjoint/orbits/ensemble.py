@@ -22,12 +22,10 @@ class Ensemble(Protocol):
     """Section points of one period map, its members, each of which marches by itself."""
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
-        """March some members, (k,), on by whole periods, to the bits of `PeriodMap.march`; returns why a member could
-        not, if any."""
+        """March some members, (k,), by whole periods, to the bits of `PeriodMap.march`; returns why members failed."""
 
     def deviations(self, which: IndexArray, origin: SectionPoint) -> FloatArray:
-        """The deviations of some members, (k,), from a section point of the map, in the coordinates that belong to it,
-        (k, n)."""
+        """The deviations of some members, (k,), from a section point `origin`, in its coordinates, (k, n)."""
 
     def point(self, member: int) -> SectionPoint:
         """The section point of a member."""

@@ -14,8 +14,7 @@ from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 _STEP = 1e-6
-"""Step of the differences, over the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten
-digits."""
+"""Step of the differences, over the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits."""
 _SMALL = 1e-7
 """Distance between two marches that are followed together, over the size of the motion: small enough to be linear, and
 large enough for rounding, 1e-16, to leave nine digits."""

@@ -14,8 +14,7 @@ PARTED = 1e-3
 """Longest step between such points, over the size of the motion: along longer steps it cannot be told whether the map
 bends or jumps."""
 _JUMP = 0.05
-"""Share of a step by which the linearised map may miss the next step if the map is smooth, however short the step
-is."""
+"""Share by which the linearised map may miss a step, however short it is, if the map is smooth."""
 _BENDS = 500.0
 """Further share of a step that may be missed, over the step's length over the size of the motion, as a map bends."""
 

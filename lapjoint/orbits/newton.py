@@ -25,8 +25,7 @@ _STEPS = 14
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Largest imaginary part, over the modulus, of a multiplier that is real: a real double one, rounded, may have as
-much."""
+"""Largest imaginary part, over the modulus, of a real multiplier: a double one may have it by rounding."""
 GROWS = 1e-6
 """Distance outside the unit circle above which a multiplier is not one on the circle, rounded."""
 _MARGINAL = 1e-9
@@ -102,15 +101,13 @@ class Orbit:
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """What becomes of a deviation, (n,), from the orbit, of which at most `most` periods are looked at one by
-        one."""
+        """What becomes of a deviation, (n,), from the orbit; at most `most` periods are looked at one by one."""
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
-    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none from the
-    guess.
+    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none.
 
     Newton's method is not tried from a residual above `farthest`, over the size of the motion, nor for a map that makes
     deviations grow beyond rounding, of which no fixed point can be known.

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import Differences, differences, without_contact_errors
+from lapjoint.orbits.contact_errors import Differences, differences, with_errors, without_contact_errors
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
@@ -60,8 +60,7 @@ class OrbitErrors:
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
-    """The errors of the impulses and contacts of a stable orbit, of which `history` is one period; `finer` may
-    raise."""
+    """The errors of the impulses and contacts of a stable orbit, of which `history` is one period."""
     try:
         other = finer()
         half_periods, name = HalfPeriods(other.period_map), other.refinement.name
@@ -82,8 +81,7 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
 
 
 def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
-    """The orbit of another map of the problem that is nearest to a known one, stable or not; None if Newton's method
-    finds none."""
+    """The orbit of another map of the problem nearest to a known one, stable or not; None if none is found."""
     point, marched = half_periods.map.adopted(orbit.point), 0
     for periods in SETTLING:
         for _ in range(periods - marched):
@@ -141,21 +139,12 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
     peak += floor * max((contact.peak_force for contact in whole), default=0.0)
     start += floor * period
-    contacts = tuple(
-        replace(
-            one,
-            start_error=0.0 if one.open_start else float(start[i]),
-            impulse_error=float(impulse[i]),
-            peak_force_error=float(peak[i]),
-        )
-        for one, i in zip(history.contacts, number, strict=True)
-    )
+    contacts = with_errors(history.contacts, start[number], impulse[number], peak[number])
     return replace(history, contacts=contacts)
 
 
 def _whole(history: History) -> tuple[list[Contact], list[int]]:
-    """The contacts of a periodic motion, with those joined that its ends cut in two; and the whole that each belongs
-    to."""
+    """The contacts of a periodic motion, joined where its ends cut them in two; and the whole of each."""
     contacts = history.contacts
     cut = {c.stop: i for i, c in enumerate(contacts) if c.open_end and not c.open_start}
     rest = {i: cut[c.stop] for i, c in enumerate(contacts) if c.open_start and not c.open_end and c.stop in cut}

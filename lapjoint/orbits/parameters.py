@@ -22,8 +22,7 @@ class Retunes(Protocol):
     """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
-        """The map of a problem that differs by the value of one parameter; None if this map does not know it by that
-        parameter.
+        """The map of a problem with another value of one parameter; None if this map does not know it by the parameter.
 
         `field` is the path of the parameter, as `lapjoint.Axis` takes it, and `value` its value in its SI unit;
         `problem` gives the problem, and is called only where it is needed.

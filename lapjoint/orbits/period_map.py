@@ -204,8 +204,7 @@ MOST_PIECES = 10_000_000
 
 
 def period_pieces(period: float, duration: float) -> list[float]:
-    """The durations, s, in which a march over a `duration` goes on, as the search does: whole periods, and what is
-    left.
+    """The durations, s, of the whole periods, and of the rest, in which a march over a `duration` goes on.
 
     An `InputError` refuses more than `MOST_PIECES`.
     """
@@ -323,8 +322,7 @@ LEAST_GROWTH = 1e-150
 
 
 def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
-    """The size of a deviation, (n,), that began a period with unit size, but at least `LEAST_GROWTH`, and it scaled to
-    unit size.
+    """The size, at least `LEAST_GROWTH`, of a deviation, (n,), of unit size a period before; and it, of unit size.
 
     A deviation that has all but vanished has lost its direction, and any other deviation goes on in its place.
     """

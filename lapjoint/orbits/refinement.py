@@ -30,8 +30,7 @@ LEAST_ORDER = 1.0
 """Least order of convergence of any derivative: after a kink of a force the acceleration of mode k goes with k^-2, and
 the sum of the truncated modes with k^-1."""
 ROUNDING = 1e-12
-"""Relative error that refinement does not show: switches are located to some 1e-13 of a period, and arithmetic is as
-exact."""
+"""Relative error that refinement does not show: that of located switches, and of arithmetic."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +45,7 @@ class Refinement:
     """Order of convergence that all but few problems reach."""
 
     def bounds(self, differences: FloatArray, largest: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
-        """Errors of numbers of one motion, (n,), from their differences between the two solvers, (n,), of any sign, in
-        one unit.
+        """Errors of numbers of one motion, (n,), from the differences between two solvers, (n,), in one unit.
 
         `largest` is the largest difference of the numbers that share an error with each, (n,) or one for all; `dx` and
         `dt` are the orders of the derivatives of the displacement that the numbers are, 0 for those of contacts.

@@ -29,7 +29,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
-from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
+from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
@@ -39,6 +39,7 @@ from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, outcome_of
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
+from lapjoint.summaries.correlated_series import standard_error
 
 FIRST_LOOK = 8
 """Periods after which Newton's method is first tried from rest: most motions are then near enough to their orbit."""
@@ -70,8 +71,7 @@ of switches make some 1e-13."""
 MULTIPLES_AT_A_LOOK = 8
 """Periods marched each time Newton's method is tried, to see after how many the march comes back."""
 DECAY_TIMES = 20.0
-"""Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9 of a transient is
-left."""
+"""Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9."""
 SUSPECT = 5
 """Factor of that length where a stable orbit is known: chaos may then be a long transient."""
 _WATCHED = 192
@@ -110,8 +110,7 @@ class SearchResult:
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation, (n,), is within a share of the orbit's size, or within some residuals of an orbit that does
-    not close."""
+    """Whether a deviation, (n,), is within a share of the orbit's size, or within ten residuals of the orbit."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
@@ -133,14 +132,18 @@ def as_linearised(
     return norm(after() - mapped) <= min(_COURSE * norm(deviation - mapped), slower)
 
 
-class Search:
+class SteadyStateSearch:
     """A march under way; `progress` is called with the periods marched and the most allowed."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, progress: Progress | None = None) -> None:
         self._map, self._effort, self._progress = period_map, effort, progress
         self._half_periods = HalfPeriods(period_map)
         self._follows: Follows = period_map if isinstance(period_map, Follows) else FiniteDifferences(period_map)
-        self._marched = self._switches = self._pushes = 0
+        self.point: SectionPoint
+        """Where the march is, once it runs."""
+        self.marched = 0
+        """Periods that it has marched."""
+        self._switches = self._pushes = 0
         self._growth: list[FloatArray] = []  # logarithms, period by period, of what was followed
         self._deviation: FloatArray | None = None
         self._spirals = False  # whether an unstable orbit is known that nearby motions leave in spirals
@@ -148,18 +151,17 @@ class Search:
         self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
 
     def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> SearchResult:
-        """March until a motion is certified, or the effort allowed is spent; Newton's method is first tried after
-        `first_look` periods."""
-        self._point, look = start, first_look
-        while self._marched < TRANSIENT and not self._spent:
-            self._advance(min(look, TRANSIENT, self._effort.max_periods) - self._marched)
+        """March until a motion is certified, or effort is spent; Newton's method begins after `first_look` periods."""
+        self.point, look = start, first_look
+        while self.marched < TRANSIENT and not self._spent:
+            self._advance(min(look, TRANSIENT, self._effort.max_periods) - self.marched)
             orbit = self._look()
             if orbit is not None:
                 return self._found(orbit)
             if self._rounding_decides:
                 break
             self._push_off()
-            look = max(2 * look, self._marched)
+            look = max(2 * look, self.marched)
         return self._wander()
 
     def _wander(self) -> SearchResult:
@@ -167,7 +169,7 @@ class Search:
         before: Wandering | None = None
         stretch = self._shortest
         while True:
-            begun = Acceptance(self._point, self._marched)
+            begun = Acceptance(self.point, self.marched)
             now, points = self._measured(stretch)
             orbit = self._look() or self._come_back(points)
             if orbit is not None:
@@ -181,7 +183,7 @@ class Search:
                 before = None
             else:
                 wanted = max(2 * stretch, 0 if now.outcome is Outcome.UNDECIDED else self._enough)
-                stretch = max(min(wanted, self._effort.max_periods - self._marched), self._shortest)
+                stretch = max(min(wanted, self._effort.max_periods - self.marched), self._shortest)
 
     @property
     def _rounding_decides(self) -> bool:
@@ -209,12 +211,12 @@ class Search:
     @property
     def _spent(self) -> bool:
         """Whether the effort allowed is spent."""
-        return self._marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
+        return self.marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
 
     def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> SearchResult:
         """The result of the search, accepted here, or where the last stretch began."""
         growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
-        at = at or Acceptance(self._point, self._marched)
+        at = at or Acceptance(self.point, self.marched)
         return SearchResult(motion, replace(at, pushes=self._pushes, growth=growth))
 
     def _advance(self, periods: int) -> None:
@@ -222,16 +224,16 @@ class Search:
         if self._effort.growth:
             self._follow(periods)
         elif periods > 0:
-            passage = self._map.march(self._point, 2 * periods)
-            self._point, self._deviation = passage.end, None
+            passage = self._map.march(self.point, 2 * periods)
+            self.point, self._deviation = passage.end, None
             self._count(periods, passage.switches)
 
     def _follow(self, periods: int) -> Followed | None:
         """March on over some periods, together with a deviation."""
         if periods <= 0:
             return None
-        found = self._follows.followed(self._point, self._unit_deviation(), periods)
-        self._point, self._deviation = found.points[-1], found.deviation
+        found = self._follows.followed(self.point, self._unit_deviation(), periods)
+        self.point, self._deviation = found.points[-1], found.deviation
         self._growth.append(found.growth)
         self._count(periods, found.switches)
         return found
@@ -244,14 +246,14 @@ class Search:
 
     def _random_deviation(self) -> FloatArray:
         """A random deviation of unit size, shape ``(n,)``; its numbers are the same each time."""
-        deviation = np.random.default_rng(0).standard_normal(self._map.difference(self._point, self._point).size)
+        deviation = np.random.default_rng(0).standard_normal(self._map.difference(self.point, self.point).size)
         return deviation / self._map.norm(deviation)
 
     def _count(self, periods: int, switches: int) -> None:
-        self._marched += periods
+        self.marched += periods
         self._switches += switches
         if self._progress is not None:
-            self._progress(min(self._marched, self._effort.max_periods), self._effort.max_periods)
+            self._progress(min(self.marched, self._effort.max_periods), self._effort.max_periods)
 
     def _look(self) -> Orbit | None:
         """The orbit that the march is bound for, if one is found; the march goes on meanwhile."""
@@ -259,10 +261,10 @@ class Search:
             orbit = self._orbit(count, FAR)
             if orbit is not None:
                 return orbit
-        points = [self._point]
+        points = [self.point]
         for _ in range(min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)):
             self._follow(1)
-            points.append(self._point)
+            points.append(self.point)
         returns = np.array([self._half_periods.apart(point, points[-1]) for point in points[-2::-1]])
         self._closest = float(returns.min()), 2 * (int(np.argmin(returns)) + 1)
         for i in np.argsort(returns, kind="stable")[:_RETURNS]:
@@ -276,7 +278,7 @@ class Search:
         """The orbit over `count` half periods that Newton's method finds from here, if the march is bound for it."""
         if self._rounding_decides:
             return None
-        orbit = find_orbit(self._half_periods, self._point, count, farthest)
+        orbit = find_orbit(self._half_periods, self.point, count, farthest)
         if orbit is None:
             return None
         self._spirals |= orbit.spirals_out
@@ -294,15 +296,15 @@ class Search:
         """Whether the march is bound for a stable orbit; the march goes on until that is known."""
         multiple, left = orbit.period_multiple, 2 * self._effort.max_periods // orbit.half_periods
         while True:
-            deviation = self._map.difference(self._point, orbit.point)
+            deviation = self._map.difference(self.point, orbit.point)
             forecast = orbit.forecast(deviation, left)
             if forecast.bound and self._as_linearised(orbit, deviation):
                 return True
             wait = math.ceil(forecast.fails * orbit.half_periods / 2)
             if wait > self._enough and near(self._half_periods, _AT, orbit, deviation):
                 return self._stays(orbit)
-            wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
-            if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
+            wait = multiple * math.ceil(max(wait, self.marched // 8, 1) / multiple)
+            if self.marched + wait > self._effort.max_periods or not self.on_course(orbit, deviation, wait):
                 return False
 
     def _stays(self, orbit: Orbit) -> bool:
@@ -313,20 +315,20 @@ class Search:
         """
         multiple = orbit.period_multiple
         wait = multiple * math.ceil(max(self._enough, TRANSIENT) / multiple)
-        if self._marched + wait > self._effort.max_periods:
+        if self.marched + wait > self._effort.max_periods:
             return False
         self._advance(wait)
-        return near(self._half_periods, _AT, orbit, self._map.difference(self._point, orbit.point))
+        return near(self._half_periods, _AT, orbit, self._map.difference(self.point, orbit.point))
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
         """Whether the next step of the march to the orbit is that of the linearised map; see `as_linearised`."""
 
         def after() -> FloatArray:
-            return self._map.difference(self._half_periods.marched(self._point, orbit.half_periods), orbit.point)
+            return self._map.difference(self._half_periods.marched(self.point, orbit.half_periods), orbit.point)
 
         return as_linearised(self._half_periods, orbit, deviation, after)
 
-    def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
+    def on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
         """March on over some periods; whether the march keeps to the course that the linearised map predicts.
 
         The two are compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
@@ -342,7 +344,7 @@ class Search:
             self._advance(stride * multiple)
             done += stride
             predicted = power @ predicted
-            actual = self._map.difference(self._point, orbit.point)
+            actual = self._map.difference(self.point, orbit.point)
             if self._map.norm(actual - predicted) > _COURSE * self._map.norm(deviation - predicted):
                 return False
             if done < steps:
@@ -354,10 +356,10 @@ class Search:
         closest, count = self._closest
         if closest > REPEATS:
             return False
-        point = pushed_off(self._half_periods, self._point, count, self._pushes)
+        point = pushed_off(self._half_periods, self.point, count, self._pushes)
         if point is None:
             return False
-        self._point = point
+        self.point = point
         self._pushes += 1
         return True
 
@@ -368,7 +370,7 @@ class Search:
         # The deviation that has grown may keep a symmetry of the march; a random one breaks it.
         both = self._unit_deviation() + self._random_deviation()
         both /= self._map.norm(both)
-        self._point = disturbed(self._half_periods, self._point, now.breadth, both, self._pushes)
+        self.point = disturbed(self._half_periods, self.point, now.breadth, both, self._pushes)
         pushed = now.breadth <= NARROW and self._pushes < PUSHES
         self._pushes += pushed
         return pushed
@@ -380,13 +382,13 @@ class Search:
         if not returns.size or returns.min() > _NEARLY_BACK:
             return None
         first = int(np.flatnonzero(returns <= 10 * returns.min() + RESIDUAL)[0])
-        self._point, before = points[-1], self._point
+        self.point, before = points[-1], self.point
         for multiple in dict.fromkeys((first + 1, int(np.argmin(returns)) + 1)):
             orbit = self._orbit(2 * multiple, _NEAR)
             if orbit is not None:
                 return orbit
-        if self._point is points[-1]:
-            self._point = before
+        if self.point is points[-1]:
+            self.point = before
         return None
 
     def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:

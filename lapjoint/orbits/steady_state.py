@@ -13,7 +13,14 @@ from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
 from lapjoint.orbits.period_map import PeriodMap
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Search, SearchResult
+from lapjoint.orbits.search import (
+    FIRST_LOOK,
+    FIRST_LOOK_NEAR,
+    MULTIPLES_AT_A_LOOK,
+    Effort,
+    SearchResult,
+    SteadyStateSearch,
+)
 from lapjoint.orbits.wandering import Wandering
 from lapjoint.solver import Progress
 
@@ -63,7 +70,7 @@ def find_steady_state(
     """
     begin = period_map.initial() if start is None else period_map.adopted(start)
     first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR
-    found = Search(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
+    found = SteadyStateSearch(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
     steady = _certified(period_map, solver, found, effort)
     return _with_errors(steady, found.motion, finer) if errors else steady
 
@@ -111,8 +118,7 @@ def _certified(period_map: PeriodMap, solver: str, found: SearchResult, effort: 
 
 
 def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
-    """A periodic motion with its certificate, stable or not, without errors; `acceptance` is None where nothing was
-    marched."""
+    """A periodic motion, stable or not, with its certificate; `acceptance` is None where nothing was marched."""
     history = period_map.history(orbit.point, orbit.period_multiple)
     return SteadyState(
         problem=period_map.problem,

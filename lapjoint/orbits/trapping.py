@@ -52,8 +52,7 @@ class Trap:
         return Deviated(*(_modulus(part) for part in (both.largest, both.at_switches, both.rates)))
 
     def holds(self, deviations: FloatArray) -> np.ndarray:
-        """Whether marches with deviations, (k, n), are bound for the orbit, as far as its linearised map tells, shape
-        (k,)."""
+        """Whether marches with deviations, (k, n), are bound for the orbit as far as its linearised map tells, (k,)."""
         held = np.zeros(len(deviations), dtype=np.bool_)
         if self._inverse is None or not len(deviations):
             return held

@@ -25,11 +25,9 @@ may jump by as much."""
 NARROW = 1e-2
 """Largest distance from an unstable motion, over its size, at which truncation may keep a march."""
 PUSHES = 3
-"""Most pushes of one march: each is ten times as far as the push before, from 1e-4 to 1e-2 of the size of the
-motion."""
+"""Most pushes of one march, each ten times as far as the push before: from 1e-4 to 1e-2 of the motion's size."""
 _BEYOND = 10.0
-"""Length of the first push, over the distance by which the march wanders, and of each later push, over the one
-before."""
+"""Length of the first push, over the breadth of the march, and of each later push, over the push before."""
 _FARTHEST = 3e-2
 """Longest push over the size of the motion: after a longer one the march would begin anew."""
 _DISTURBANCE = 1e-3
@@ -56,8 +54,7 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """An aperiodic march, moved along a deviation of unit size, (n,), that has grown with it: chaos must go on after
-    that.
+    """An aperiodic march, moved along a unit deviation, (n,), that has grown with it: chaos must go on after it.
 
     `wander` is how far the march is from repeating, over its size. Up to `NARROW` it may be unable to leave an unstable
     motion, and is pushed as far as a march that is; it has been pushed `times` before.

@@ -25,8 +25,7 @@ class Wandering:
     point: SectionPoint
     """Where the stretch ends."""
     breadth: float
-    """How far it is from repeating, over its size: its farthest return, at the period multiple that makes this
-    least."""
+    """Farthest return of its last points, over their size, at the period multiple that makes it least."""
     residual: float
     """Distance of its last return, over its size, at the period multiple that makes this least."""
     impulses: FloatArray
@@ -63,8 +62,7 @@ def outcome_of(
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """How far the last points of a march are from repeating: the farthest of all returns, and the last one, over their
-    size.
+    """How far a march is from repeating: its farthest and its last return among the last points, over their size.
 
     Each is that of the period multiple, up to `most`, that makes it least.
     """
@@ -80,7 +78,6 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """The least distance of the last point of a march from one in its later half, over the size; inf without another
-    point."""
+    """The least distance of a march's last point from its later half, over the size; inf without another point."""
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

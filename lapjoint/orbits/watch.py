@@ -97,8 +97,7 @@ class Watch(Protocol):
         """Pairs of a stop and an interval, for all stops and all its intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """What deviations come to along the orbit, (n, K), as columns in the coordinates that belong to its section
-        point."""
+        """The motion of deviations, (n, K), columns in the coordinates of its section point, along the orbit."""
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
@@ -112,8 +111,7 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
 
 
 class SegmentWatch:
-    """The watch over an orbit whose segments are known in closed form; with `twins` it goes on mirrored after the
-    last."""
+    """The watch over an orbit with segments in closed form; with `twins` the orbit goes on mirrored."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
@@ -127,7 +125,7 @@ class SegmentWatch:
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)
         self.switches = Switches(time, stop, rate, curvature, spacings(time, stop, stops.beyond, length))
         points = first_points(motion.duration, math.pi / problem.forces.fastest / _PER_HALF_PERIOD)
-        self._segment, self._tau, distance = refined(motion, stops, *points)
+        self.segment, self.tau, distance = refined(motion, stops, *points)
         self.intervals = self._intervals(motion, stops, distance, length)
         self._set_up_deviations(segments, first, motion)
 
@@ -139,7 +137,7 @@ class SegmentWatch:
         drift: FloatArray = np.zeros((0, 0, 2, count))
         if self._drift is not None:
             drift = (self._drift @ deviations).reshape(segments, places, 2, count)
-        points = self._segment, self._tau, self._terms, self._misses
+        points = self.segment, self.tau, self._terms, self._misses
         largest_motion(*points, amplitudes, drift, self._place, largest)
         own = amplitudes[:, self._switching].transpose(1, 0, 2, 3).reshape(self._durations.size, 2 * terms, count)
         at_switches, rates = (self._at_switches @ own)[:, :, 0]
@@ -151,8 +149,8 @@ class SegmentWatch:
 
     def _intervals(self, motion: Motion, stops: Stops, distance: FloatArray, length: float) -> Intervals:
         """The intervals between points of one segment, with their distances and the switches beside them."""
-        inside = self._segment[:-1] == self._segment[1:]
-        time = motion.start[self._segment] + self._tau
+        inside = self.segment[:-1] == self.segment[1:]
+        time = motion.start[self.segment] + self.tau
         start, end, switches = time[:-1][inside], time[1:][inside], self.switches
         before, since, after, until = among_switches(start, end, switches.time, switches.stop, stops.beyond, length)
         self._intervals_in_time = start.size
@@ -171,7 +169,7 @@ class SegmentWatch:
         rows = np.array([segments.deviations.real, segments.deviations.imag])
         self._shape, self._rows = (count, first.size, terms), rows.reshape(-1, n)
         self._drift = segments.drift[:, first].reshape(-1, n) if segments.drift.any() else None
-        self._terms, self._misses = terms_at_points(self._segment, self._tau, motion.rates, motion.weights, terms)
+        self._terms, self._misses = terms_at_points(self.segment, self.tau, motion.rates, motion.weights, terms)
         rates, weights = motion.rates[:, :terms], motion.weights[:, :, :terms]
         at, self._durations = self._switching, motion.duration[self._switching]
         own = weights[at, self._place[self.switches.stop]] * np.exp(rates[at] * self._durations[:, None])

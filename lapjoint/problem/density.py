@@ -41,8 +41,7 @@ class Density:
         return found
 
     def moment(self, power: int) -> float:
-        """The integral of (2 pi f)^power S over all frequencies, square of the unit over s^power; infinite where it
-        overflows.
+        """The integral of (2 pi f)^power S over all frequencies, square of the unit over s^power, or infinite.
 
         `power` is 0 for the variance, 2 for that of the rate of change, -2 for that of the integral over time.
         """

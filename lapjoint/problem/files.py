@@ -91,8 +91,7 @@ def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
 
 
 def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", folder: str | Path = ".") -> Problem:
-    """The validated problem in tables as TOML holds them; an `InputError` has one line for each fault, and begins with
-    `source`.
+    """The validated problem in tables as TOML holds them; an `InputError` begins with `source`, a line for each fault.
 
     Files of samples are looked for from `folder`.
     """

@@ -58,8 +58,7 @@ class Forces:
     harmonic: tuple[HarmonicForce, ...]
     """Those of the base first, then those of the point loads; amplitudes may be 0."""
     fundamental: float | None = None
-    """Angular frequency of which those of all harmonic forces but 0 are whole multiples, rad/s; None if there is
-    none."""
+    """Angular frequency of which all harmonic forces but 0 are whole multiples, rad/s; None if there is none."""
     sampled: tuple[SampledForce, ...] = ()
     """Those of the base first, then those of the point loads."""
 
@@ -85,8 +84,7 @@ class Forces:
 
     @property
     def change_sign(self) -> bool:
-        """Whether all forces change sign in half a period: none is constant, and none an even multiple of the
-        fundamental."""
+        """Whether all forces change sign in half a period: none is constant, and none an even multiple."""
         omega = self.fundamental
         if omega is None or self.constant:
             return False
@@ -94,15 +92,13 @@ class Forces:
 
 
 def common_fundamental(stated: Collection[float]) -> float | None:
-    """The lowest of some angular frequencies, rad/s, if all are whole multiples of it up to `MOST_MULTIPLE`; else
-    None."""
+    """The lowest of angular frequencies, rad/s, if all are its multiples up to `MOST_MULTIPLE`; else None."""
     lowest = min(stated, default=None)
     return lowest if lowest is not None and all(multiple_of(lowest, omega) for omega in stated) else None
 
 
 def multiple_of(fundamental: float, omega: float) -> int:
-    """Which whole multiple, 1 to `MOST_MULTIPLE`, of an angular frequency `fundamental` another one, `omega`, is; 0 if
-    none."""
+    """Which whole multiple, up to `MOST_MULTIPLE`, the angular frequency `omega` is of `fundamental`; 0 if none."""
     quotient = omega / fundamental
     if not 0.5 < quotient < MOST_MULTIPLE + 0.5:
         return 0

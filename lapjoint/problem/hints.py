@@ -51,8 +51,7 @@ WIDE = 0.2
 RATIO = 2.0
 """Damping ratio from which on a percentage was probably meant; a ratio of 1 is critical."""
 FAST, SLOW = 1e4, 1e-6
-"""Excitation frequency, over the lowest one of a cantilever, above which the beam hardly responds, and below which it
-follows statically."""
+"""Excitation frequency, over a cantilever's lowest, above which the beam hardly responds, or below is static."""
 HARD, SOFT = 1e10, 1e-8
 """Stiffness of a stop, over EI / L^3, above which it is a rock, and below which a feather, to the beam."""
 

@@ -83,7 +83,7 @@ def field_path(loc: Sequence[int | str], data: Any) -> str:
     """The path of a field of `data` as a person writes it, ``stops[1].gap``; empty for the whole of the data.
 
     A validator's location `loc` also holds the kind of a part (``rectangle``), though a key may have the same name
-    (``harmonics``). The kind is left out, and so is everything but the last element that is no key of the data.
+    (``harmonics``).  The kind is left out, and so are elements that are no keys of the data, except the last.
     """
     path, here, told = "", data, False
     for i, key in enumerate(loc):

@@ -32,8 +32,7 @@ def override(tables: dict[str, Any], assignment: str) -> None:
 
 
 def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
-    """Set the value at a path of a problem's tables, in place; the path is that of `override`. Messages begin with
-    `source`."""
+    """Set the value at a path, as `override` takes it, in place; messages begin with `source`."""
     keys = path_keys(path)
     if len(keys) > DEEPEST:
         raise InputError(f"{source}: is {len(keys)} keys deep; a problem is at most {DEEPEST}")

@@ -83,8 +83,7 @@ class Problem(Part):
 
     @property
     def excitation_frequency(self) -> float | None:
-        """The fundamental of all periodic excitation, rad/s: its lowest angular frequency, if all are multiples of
-        it."""
+        """The lowest frequency that a periodic part states, rad/s, if all others are its multiples; else None."""
         return self.forces.fundamental
 
     def require_excitation_frequency(self, purpose: str) -> float:
@@ -170,24 +169,7 @@ class Problem(Part):
         return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
-        """The problem with another realisation of all random excitation.
-
-        Parameters
-        ----------
-        seed : int
-            The seed of every random part, 0 or more; they are independent of each other.
-
-        Returns
-        -------
-        Problem
-            A validated copy.
-
-        Raises
-        ------
-        pydantic.ValidationError
-            If the seed is not possible.
-        """
-
+        """The problem with one seed, 0 or more, in all random parts, which are independent. See `with_seeds`."""
         return self.with_seeds(lambda own: seed)
 
     def with_seeds(self, seed_of: Callable[[int], int]) -> Problem:

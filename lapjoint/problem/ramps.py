@@ -48,8 +48,7 @@ class SampledForce(Protocol):
         """The knots from one time to another, s, ascending, shape (K,)."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at times `t`, s, shape (m,), from 0 to the end: N at a point, N/m along the beam, positive
-        upwards."""
+        """The force at times `t`, s, (m,), up to the end: N at a point, N/m along the beam, positive upwards."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,8 +182,7 @@ class Ramps:
 
 
 class RampBlocks:
-    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the time at which the first of the forces
-    ends.
+    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the end of the force that ends first.
 
     Recorded forces are one block. With random forces a block has `KNOTS` intervals of the random force with the highest
     rate, and begins and ends with one of its knots; the other forces get a knot there, on their ramps. A time on the
@@ -209,8 +207,7 @@ class RampBlocks:
         return 1 / float(np.median(np.diff(self._block(0).time)))
 
     def block_at(self, t: float) -> Ramps:
-        """The block that a time is in, not to be written to; at the end of a block the next one, unless it is the
-        last."""
+        """The block that a time is in, not to be written to; between two blocks, the second."""
         return self._block(int(self._numbers(np.array([t]))[0]))
 
     def until(self, t: float) -> float:

@@ -26,8 +26,7 @@ SAMPLES_A_PERIOD = 8.0
 """Default number of samples per period of the highest frequency.  Straight lines between samples take off 10 % of the
 density there, which the filter corrects, and add (1/7)^4 = 4e-4 of it at 7 times the highest frequency."""
 FEWEST_A_PERIOD = 2.5
-"""Least number of samples per period of the highest frequency: with fewer, straight lines add too much near the
-band."""
+"""Least number of samples per period of the highest frequency: fewer add too much near the band."""
 _MOST_ADDED = 0.01
 """Largest share of the density that straight lines may add beyond the band without a warning."""
 _BLUNT = 0.5

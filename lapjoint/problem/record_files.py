@@ -54,8 +54,7 @@ class _Line(NamedTuple):
 
 
 def read_columns(source: Source) -> tuple[Samples, Samples | None, IntArray]:
-    """The values of a record and their times, each in its own unit, and the line of the file of each, from 1, shape
-    (n,).
+    """The values of a record, their times, each in its own unit, and the lines of the file, from 1, (n,) each.
 
     The times are None without a column of them. A `ValueError` names the line of a cell that is no number, or that can
     be read in two ways.
@@ -144,8 +143,7 @@ def _is_name(cell: str, decimal: str) -> bool:
 
 
 def _check_widths(source: Source, first: _Line, width: int, rows: list[_Line]) -> None:
-    """Refuse lines of samples that differ in their number of fields, or have fewer than the `width` of the first
-    line."""
+    """Refuse lines of samples that differ in their number of fields, or have fewer than the first line's `width`."""
     for row in rows:
         if len(row.cells) < width or any(row.cells[width:]):
             other, number = first, width

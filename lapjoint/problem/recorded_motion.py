@@ -42,8 +42,7 @@ class RecordedMotion:
         return v, y
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """The motion at times `t`, s, shape (m,), within the record, or its `derivative`-th t-derivative: m, m/s or
-        m/s2."""
+        """The motion, or its `derivative`-th t-derivative, at times `t`, s, (m,), within the record: m, m/s or m/s2."""
         j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
         (v, y), s = self._integrals, np.asarray(t) - self.time[j]
         a, slope = self.acceleration[j], (np.diff(self.acceleration) / np.diff(self.time))[j]
@@ -54,8 +53,7 @@ class RecordedMotion:
         return np.asarray(y[j] + s * (v[j] + s * (a / 2 + s * slope / 6)))
 
     def line(self, derivative: int) -> tuple[float, float]:
-        """The straight line nearest to a derivative of the motion in the mean square over time: its value half-way, and
-        its slope.
+        """The line nearest to a derivative of the motion, in the mean square over time: its value half-way, and slope.
 
         The value is the mean of the derivative; both are in m over powers of s.
         """
@@ -65,8 +63,7 @@ class RecordedMotion:
         return float(values @ w) / T, 12 * float((values * (t - T / 2)) @ w) / T**3
 
     def without(self, derivative: int, value: float, slope: float) -> RecordedMotion:
-        """The motion less one whose `derivative`-th derivative is the straight line of this value and slope; see
-        `line`."""
+        """The motion less one whose `derivative`-th derivative is a straight line, as `line` gives it."""
         first, (y, v) = value - slope * float(self.time[-1]) / 2, self.start
         if derivative == 2:
             return RecordedMotion(self.time, self.acceleration - first - slope * self.time, self.start)

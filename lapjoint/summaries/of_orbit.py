@@ -22,6 +22,7 @@ from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
+from lapjoint.summaries.correlated_series import standard_error
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
@@ -127,8 +128,6 @@ def summarise(
 
 def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
     """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
-    from lapjoint.orbits.exponent import standard_error  # it loads numba, which figures need not
-
     omega = steady.problem.require_excitation_frequency("a steady state")
     history = steady.history if steady.march_on is None else steady.march_on(WANDERING)
     periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))

@@ -154,8 +154,8 @@ BRANCHES = (
         "a certificate too lenient",
         "lapjoint.orbits.binding",
         "Every start that some motion takes back is bound to the first.",
-        old="party.end(i, motion, self.motions[motion].outcome)",
-        new="party.end(i, 0, self.motions[motion].outcome)",
+        old="group.end(i, motion, self.motions[motion].outcome)",
+        new="group.end(i, 0, self.motions[motion].outcome)",
     ),
     Fault(
         "basin-grid-turned",

@@ -128,7 +128,7 @@ GROUND = (
     Fault(
         "error-too-small",
         "an error estimate too small",
-        "lapjoint.orbits.exponent",
+        "lapjoint.summaries.correlated_series",
         "The standard error of an exponent is a tenth of what it is.",
         old="return float(np.std(means, ddof=1) / np.sqrt(count))",
         new="return float(0.1 * np.std(means, ddof=1) / np.sqrt(count))",

@@ -225,6 +225,7 @@ def _spec_of(found: xr.Dataset) -> BranchSpec:
         max_points=int(attrs["max_points"]),
         effort=int(attrs["effort"]),
         also_over=None if second is None else Axis(second.attrs["path"], tuple(second.values.tolist())),
+        from_grazes=bool(attrs.get("from_grazes", False)),
     )
 
 

@@ -296,13 +296,18 @@ def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurveP
     return point if point is None or point.tangent[at] > 0 else point.turned()
 
 
+def ended_arc(problem: BoundaryProblem, u: FloatArray) -> int:
+    """The shortest arc between two events of one stop, of unknowns of shape (n + F + 1,)."""
+    shares, returning = np.abs(problem.shares(u)), problem.sequence.returning
+    return min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
+
+
 def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:
     """The change where the shortest arc between two events of one stop has no duration, from the side with more events.
 
     The guess has shape (n + F + 1,).  None if Newton's method finds no such motion.
     """
-    shares, returning = np.abs(problem.shares(guess)), problem.sequence.returning
-    arc = min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
+    arc = ended_arc(problem, guess)
     point = on_duration(problem, guess, arc)
     return None if point is None else crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
 

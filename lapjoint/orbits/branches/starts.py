@@ -16,7 +16,7 @@ from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
 from lapjoint.orbits.branches.sequence_changes import nearest, violated
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
-from lapjoint.orbits.search import TRANSIENT, Effort, Search
+from lapjoint.orbits.search import TRANSIENT, Effort, SteadyStateSearch
 from lapjoint.problem import FloatArray
 
 
@@ -99,7 +99,7 @@ def periodic_motion(
     Two motions are one if their distance over their size is below `same`.  `SolverError` if the march cannot go on.
     """
     effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
-    motion = Search(half.map, effort).run(point).motion
+    motion = SteadyStateSearch(half.map, effort).run(point).motion
     if isinstance(motion, Orbit):
         return motion.point, motion.half_periods  # over its least period
     for count in range(half.least, 2 * most_multiple + 1):

@@ -16,10 +16,10 @@ import pytest
 import analytic
 from analytic import ensemble
 from analytic.march import gap_view, growth, linearised, march, march_linearised, periods
-from analytic.march.compiled import SWITCHES, Motion
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import settle_status
+from analytic.march.motion import SWITCHES, Motion
 from analytic.period_map import PeriodMap
 from lapjoint import FREE, ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint

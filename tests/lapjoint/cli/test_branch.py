@@ -6,44 +6,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from amplitude_ranges import docs_cantilever
 from command_line import assert_refused, run, run_well
 
+from lapjoint import write_problem
 from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 
-PROBLEM = """
-[beam]
-length = 1.0
-bending_stiffness = 1.0
-mass_per_length = 1.0
-
-[[supports]]
-x = 0.0
-translational = inf
-torsional = inf
-
-[[stops]]
-name = "tip"
-x = 1.0
-side = "top"
-gap = 1e-3
-stiffness = 50.0
-
-[damping]
-kind = "viscous"
-coefficient = 0.8
-
-[base_motion]
-amplitude = 3e-4
-angular_frequency = 5.0
-"""
 OVER = ("--over", "base_motion.amplitude", "--modes", "3", "--no-errors")
 
 
 @pytest.fixture(autouse=True)
 def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("bar.toml").write_text(PROBLEM)
+    joint = docs_cantilever()
+    (stop,) = joint.stops
+    write_problem(joint.replace(stops=(stop.model_copy(update={"name": "tip"}),)), "bar.toml")
 
 
 def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
@@ -82,7 +60,35 @@ def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
 def test_where_no_bifurcation_lies_the_loci_are_said_to_be_none() -> None:
     over = ("--from", "1e-4", "--to", "1.1e-4", "--also-over", "stops.*.gap=1e-3,1.1e-3")
     lines = run_well("branch", "bar.toml", *OVER, *over, "--out", "none.nc").splitlines()
-    assert lines[1:] == ["2 branches at 2 values of stops.*.gap; no bifurcations"]
+    assert lines[1] == "2 branches at 2 values of stops.*.gap; no bifurcations"
+
+
+def test_how_likely_an_unknown_branch_is_is_said_and_kept(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing else exists below the first graze, and three starts tell that much."""
+    over = ("--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
+    assert run("branch", "bar.toml", *OVER, *over).stdout.splitlines()[-1].startswith("no random starts were made")
+    assert "starts_stable" not in read_branches("b.nc")
+    said = run("branch", "bar.toml", *OVER, *over, "--force", "--starts", "3").stdout.splitlines()[-1]
+    assert said == (
+        "3 random starts: 3 led to stable motions on 1 branch, to none of which nothing else led; another one that "
+        "leads to a stable motion would find an unknown branch with a probability of about 0 % (95 %: below 78 %)"
+    )
+    found = read_branches("b.nc")
+    assert (int(found.starts_stable), int(found.starts_branches), int(found.starts_alone)) == (3, 1, 0)
+    assert (float(found.unknown_probability), float(found.unknown_probability_bound)) == (
+        0.0,
+        pytest.approx(1 - 0.01 ** (1 / 3)),
+    )
+    also = ("--also-over", "stops.*.gap=1e-3,1.1e-3", "--starts", "2", "--force")
+    said = run("branch", "bar.toml", *OVER, *over, *also).stdout.splitlines()[-1]
+    assert said.startswith(
+        "2 random starts at each of 2 values of stops.*.gap: 4 led to stable motions on 2 branches, "
+    )
+    assert read_branches("b.nc").starts_stable.values.tolist() == [2, 2]
+    found["starts_stable"].values[...] = 0
+    print_branches(found)
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said == "3 random starts: 0 led to stable motions, so that nothing is known of further branches"
 
 
 @pytest.mark.parametrize("asked", [True, False])
@@ -112,6 +118,16 @@ def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
     print_branches(found)
     told = f"no branch comes to 0.0005: from rest, no motion that repeats {repeats} was found there"
     assert [line for line in capsys.readouterr().out.splitlines() if "no branch" in line] == [told]
+
+
+def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question() -> None:
+    command = ("branch", "bar.toml", *OVER, "--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
+    assert run(*command).exit_code == 0
+    assert "from_grazes" not in read_branches("b.nc").attrs
+    refused = run(*command, "--from-grazes")
+    assert (refused.exit_code, "--force" in refused.stderr) == (2, True)
+    assert run(*command, "--from-grazes", "--force").exit_code == 0
+    assert int(read_branches("b.nc").attrs["from_grazes"]) == 1
 
 
 def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
+from amplitude_ranges import docs_cantilever
 from command_line import assert_refused, run, run_well
 
 import lapjoint
-from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns.branches.table import read_branches
 from lapjoint.campaigns.confirm.table import VERDICTS
 from lapjoint.campaigns.dataset import read_result
@@ -21,15 +20,8 @@ ELEMENTS = ("--elements", "4")
 @pytest.fixture(scope="module")
 def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Branches of a cantilever with one stop: a graze and two folds."""
-    joint = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
-        damping=ViscousDamping(coefficient=0.8),
-        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
-    )
     path = tmp_path_factory.mktemp("confirm") / "branch.nc"
-    lapjoint.branch(joint, "base_motion.amplitude", 3e-4, 4e-4, options={"n_modes": 8}, out=path)
+    lapjoint.branch(docs_cantilever(), "base_motion.amplitude", 3e-4, 4e-4, options={"n_modes": 8}, out=path)
     return path
 
 

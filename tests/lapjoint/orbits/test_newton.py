@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from settled import orbit_of
 from toy import Bar, bar
 
 import analytic
@@ -21,14 +22,6 @@ from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative
 from lapjoint.problem import FloatArray
-
-
-def orbit_of(map_: PeriodMap, half_periods: int, settle: int = 30) -> Orbit:
-    """The orbit near which a march from the initial state ends."""
-    point = map_.march(map_.initial(), 2 * settle).end
-    found = find_orbit(HalfPeriods(map_), point, half_periods, FAR)
-    assert found is not None
-    return found
 
 
 def uneven(problem: Problem) -> Problem:

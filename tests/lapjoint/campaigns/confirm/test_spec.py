@@ -12,6 +12,8 @@ import xarray as xr
 
 from lapjoint import Axis, InputError
 from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns.branches.search import Diagram
+from lapjoint.campaigns.branches.table import branch_dataset
 from lapjoint.campaigns.confirm import spec as asked
 from lapjoint.campaigns.confirm.spec import Confirmed, ConfirmSpec, confirm_spec
 from lapjoint.errors import SolverError
@@ -39,6 +41,12 @@ def test_all_bifurcations_are_looked_for_with_the_motions_of_the_finest_resoluti
 def test_what_was_asked_of_the_search_comes_back_from_its_dataset(branches: xr.Dataset, spec: ConfirmSpec) -> None:
     assert spec.branches.fingerprint == branches.attrs["fingerprint"]
     assert (spec.other.solver, spec.other.options) == ("fe", OPTIONS)
+
+
+def test_a_search_that_followed_what_springs_at_grazes_comes_back_as_such(branches: xr.Dataset) -> None:
+    also = replace(confirm_spec(branches, "fe", OPTIONS).branches, from_grazes=True)
+    held = branches.assign_attrs(branch_dataset(also, [Diagram([])]).attrs)
+    assert confirm_spec(held, "fe", OPTIONS).branches.fingerprint == also.fingerprint
 
 
 def test_a_share_is_drawn_at_random_and_by_its_seed(branches: xr.Dataset) -> None:
