@@ -106,7 +106,7 @@ def _unknown_text(dataset: xr.Dataset) -> str:
 
     if not int(dataset.attrs["starts"]):
         return "no random starts were made, which would tell how likely a further branch is: see --starts"
-    also = second_number_of(dataset)
+    also = second_parameter_of(dataset)
     where = "" if also is None else f" at each of {dataset[also].size} values of {dataset[also].attrs['path']}"
     starts, branches, alone = (int(dataset[f"starts_{name}"].sum()) for name in ("stable", "branches", "alone"))
     reached = Reached(starts, branches, alone)
