@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint import Problem
-from lapjoint.campaigns.basin_plan import BasinPlan
+from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.arguments import refuse
 from lapjoint.errors import InputError

@@ -50,7 +50,7 @@ def basins(
     command resumes.
     """
     from lapjoint.campaigns import solve_basins
-    from lapjoint.campaigns.basin_dataset import UNBOUND_CLASSES
+    from lapjoint.campaigns.basins.table import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
     from lapjoint.cli.basin_printing import print_basins

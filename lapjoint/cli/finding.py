@@ -11,11 +11,11 @@ from lapjoint.cli.options import Work
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.campaign import Kept
+    from lapjoint.campaigns.job import Spec
 
 
 def found_or_stored(
-    plan: Kept,
+    plan: Spec,
     title: str,
     holds: str,
     find: Callable[..., xr.Dataset],

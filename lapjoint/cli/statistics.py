@@ -46,8 +46,8 @@ def statistics(
 
     Interrupted in any way, the same command resumes, if it has --out.
     """
-    from lapjoint.campaigns import solve
-    from lapjoint.campaigns.realisations import Realisations
+    from lapjoint.campaigns.statistics.running import solve_statistics
+    from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments, printing, statistics_printing
     from lapjoint.cli.finding import found_or_stored
 
@@ -66,7 +66,7 @@ def statistics(
         settle,
         rate,
     )
-    found = found_or_stored(plan, "statistics", "these statistics", solve, work)
+    found = found_or_stored(plan, "statistics", "these statistics", solve_statistics, work)
     statistics_printing.print_statistics(found, this)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))

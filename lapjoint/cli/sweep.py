@@ -104,10 +104,10 @@ def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | N
     Of a sweep and of branches, the impulse of each stop over the parameter; of branches in two parameters, the loci of
     their bifurcations; of basins, which motion each start ends in, or the share of each motion.
     """
-    from lapjoint.campaigns.basin_plan import BasinPlan
+    from lapjoint.campaigns.basins.spec import BasinPlan
     from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.campaigns.dataset import read_result
-    from lapjoint.campaigns.plan import Plan
+    from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments
     from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, plot_loci, save
     from lapjoint.figures.sweep_variables import IMPULSE

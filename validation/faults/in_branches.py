@@ -160,15 +160,15 @@ BRANCHES = (
     Fault(
         "basin-grid-turned",
         "off by one",
-        "lapjoint.campaigns.basin_plan",
+        "lapjoint.campaigns.basins.solve",
         "Starts are counted along the first coordinate of the plane, and listed along the second.",
-        old="i, j = divmod(start, self.shape[1])",
-        new="j, i = divmod(start, self.shape[1])",
+        old="i, j = divmod(number, plan.shape[1])",
+        new="j, i = divmod(number, plan.shape[1])",
     ),
     Fault(
         "basin-interval",
         "a wrong power",
-        "lapjoint.campaigns.basin_table",
+        "lapjoint.campaigns.basins.motions",
         "Intervals of shares take the quantile of the normal distribution for its square.",
         old="z2 = NORMAL_95**2",
         new="z2 = NORMAL_95",
@@ -176,7 +176,7 @@ BRANCHES = (
     Fault(
         "basin-order",
         "off by one",
-        "lapjoint.campaigns.basin_table",
+        "lapjoint.campaigns.basins.motions",
         "Motions are listed by their shares, but starts are bound to them by the sequence in which they were found.",
         old="place[i] = len(kept) if same is None else same",
         new="place[i] = i if same is None else same",

@@ -8,10 +8,10 @@ SUMMARIES = (
     Fault(
         "statistics-one-realisation",
         "an input ignored",
-        "lapjoint.campaigns.realisations",
+        "lapjoint.campaigns.statistics.solve",
         "All realisations are the first one.",
-        old="self.realisation(cell), progress)",
-        new="self.realisation(0), progress)",
+        old="spec.realisation(number), progress)",
+        new="spec.realisation(0), progress)",
     ),
     Fault(
         "statistics-rms-less-mean",

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import MOST_STARTS, check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.sweep.spec import MOST_STARTS
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Solver, make_solver

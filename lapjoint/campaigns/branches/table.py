@@ -18,8 +18,7 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.branches.loci import loci_of
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
-from lapjoint.campaigns.dataset import read_result
-from lapjoint.campaigns.format_version import attributes_of
+from lapjoint.campaigns.dataset import attributes_of, read_result
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
 

@@ -9,7 +9,7 @@ from command_line import run_well
 from toy import bar
 
 from lapjoint import write_problem
-from lapjoint.campaigns.basin_dataset import read_basins
+from lapjoint.campaigns.basins.table import read_basins
 
 PLANE = ("--plane", "z(0.5),v(1.0)", "--grid", "4x5", "--range", "-3:3,-2:2")
 RANDOM = ("--energy", "20", "--starts", "12")

@@ -28,7 +28,7 @@ from lapjoint import (
     paper_joint,
     sweep,
 )
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.cli.main import main
 from lapjoint.summaries import summarise
 from lapjoint.summaries.of_orbit import OF_STOPS

@@ -67,12 +67,12 @@ FAULTS = (
         Fault(
             "journal-without-options",
             "an input ignored",
-            "lapjoint.campaigns.plan",
+            "lapjoint.campaigns.sweep.spec",
             "A journal begun with other numerical options of the solver is gone on with.",
             '            "options": dict(self.options),\n',
             "",
         ),
-        "tests/lapjoint/campaigns/test_plan.py::test_work_with_other_options_of_the_solver_is_other_work",
+        "tests/lapjoint/campaigns/sweep/test_spec.py::test_work_with_other_options_of_the_solver_is_other_work",
     ),
     Watched(
         Fault(
@@ -91,8 +91,8 @@ FAULTS = (
             "an event dropped",
             "lapjoint.campaigns.journal",
             "What a journal holds is not taken when the work is resumed.",
-            ("        return line is not None\n\n    def _take"),
-            ("        return False\n\n    def _take"),
+            ("        return line is not None\n\n    def _write"),
+            ("        return False\n\n    def _write"),
         ),
         "tests/lapjoint/campaigns/test_journal.py::test_what_it_keeps_comes_back_exactly",
     ),
@@ -166,12 +166,12 @@ FAULTS = (
         Fault(
             "realisations-alike",
             "counted twice",
-            "lapjoint.campaigns.realisations",
+            "lapjoint.campaigns.statistics.spec",
             "All realisations of a random excitation have the seed of the first.",
             "(own + number) % (LARGEST_SEED + 1)",
             "(own + 0 * number) % (LARGEST_SEED + 1)",
         ),
-        "tests/lapjoint/campaigns/test_realisations.py"
+        "tests/lapjoint/campaigns/statistics/test_running.py"
         "::test_values_lie_within_their_intervals_and_differ_between_realisations",
     ),
     Watched(

@@ -15,7 +15,7 @@ from lapjoint import InputError, Problem
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.branches.table import KINDS, branch_dataset, read_branches, uncovered
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem import FloatArray
 

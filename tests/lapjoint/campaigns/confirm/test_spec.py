@@ -14,8 +14,9 @@ from lapjoint import Axis, InputError
 from lapjoint.campaigns.branches.running import branch
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.table import branch_dataset
-from lapjoint.campaigns.confirm import spec as asked
-from lapjoint.campaigns.confirm.spec import Confirmed, ConfirmSpec, confirm_spec
+from lapjoint.campaigns.confirm import solve
+from lapjoint.campaigns.confirm.solve import Confirmed, solve_bifurcation
+from lapjoint.campaigns.confirm.spec import ConfirmSpec, confirm_spec
 from lapjoint.errors import SolverError
 from lapjoint.problem.files import from_toml
 
@@ -90,7 +91,7 @@ def test_at_values_of_a_second_number_each_bifurcation_is_looked_for_at_its_own(
 
 
 def answer_of(spec: ConfirmSpec) -> Confirmed:
-    return spec.answer(0, spec.check(), None)[0]
+    return solve_bifurcation(spec, 0)
 
 
 def test_a_bifurcation_without_a_motion_in_the_file_is_said(spec: ConfirmSpec) -> None:
@@ -102,7 +103,7 @@ def test_a_bifurcation_without_a_motion_in_the_file_is_said(spec: ConfirmSpec) -
 def test_a_motion_that_the_first_solver_does_not_find_again_is_said(
     spec: ConfirmSpec, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(asked, "located_of", lambda *_: None)
+    monkeypatch.setattr(solve, "located_of", lambda *_: None)
     assert "the first solver does not find it again" in answer_of(spec).message
 
 
@@ -110,7 +111,7 @@ def test_a_solver_that_stops_is_said_with_its_message(spec: ConfirmSpec, monkeyp
     def stops(*args: Any) -> None:
         raise SolverError("stopped at t = 0.1 s")
 
-    monkeypatch.setattr(asked, "confirmed", stops)
+    monkeypatch.setattr(solve, "confirmed", stops)
     found = answer_of(spec)
     assert (found.verdict, found.message) == ("not found", "stopped at t = 0.1 s")
 

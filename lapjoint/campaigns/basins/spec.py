@@ -1,4 +1,4 @@
-"""The plan of basins: which starts, of which problems, and how hard to look at each.
+"""What is asked of basins: which starts, of which problems, and how hard to look at each.
 
 Starts are the points of a grid in a plane, or random ones (`lapjoint.orbits.displaced`).  They are solved in *chunks*,
 so that many march at once.  For each problem there is a chunk of *scouts* first, some of the starts, evenly spread: the
@@ -8,38 +8,42 @@ depends on the plan and on this library alone, neither on the sequence of the wo
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from lapjoint.campaigns.basin_chunk import Chunk
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
-from lapjoint.solver import Progress, Solver, make_solver
-
-if TYPE_CHECKING:
-    import xarray as xr
+from lapjoint.solver import Solver, make_solver
 
 CHUNK = 64
-"""Starts in a chunk: enough for one compiled call to be worth it, few enough for little to be lost by an interrupt."""
+"""Number of starts in a chunk: enough for a compiled call to pay, few enough for an interrupt to lose little."""
 SCOUTS = 16
-"""Most starts of a problem that are looked at before all others."""
+"""Largest number of starts of a problem that are scouts."""
 MOST_STARTS = 10_000_000
 """Largest number of starts of all problems together, for the dataset to fit into memory."""
 EFFORT = 4000
-"""Most periods marched from a start by default, before it is left as it is."""
+"""Default of the largest number of excitation periods marched from a start."""
 MOST_PERIODS = 1_000_000
-"""Largest number of periods that may be asked for."""
+"""Largest number of excitation periods that may be asked for."""
 _WIDE = 3.0
-"""Half the width of a plane by default, over base amplitude and gap together: most motions are not much larger."""
+"""Half the default width of a plane, as a multiple of base amplitude plus gap: most motions are not much larger."""
+
+
+class Chunk(NamedTuple):
+    """What a cell is: some starts of one of the problems."""
+
+    value: int
+    """Number of the problem along `over`."""
+    starts: tuple[int, ...] | range
+    """Numbers of the starts."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,8 @@ class BasinPlan:
     shape : tuple of int
         Number of values of the plane's first coordinate, and of its second.
     ranges : tuple of tuple of float, or None
-        First and last value of each coordinate, m or m/s; None for those of `default_ranges`.
+        First and last value of each coordinate, m or m/s; None for some times the size of base
+        motion and gap.
     energy : float or None
         Bound on the energy of random starts, J; None for a grid.
     starts : int
@@ -70,8 +75,6 @@ class BasinPlan:
         Most periods marched from each start.
     over : Axis or None
         A number of the problem, and the values for which all this is done.
-    libraries : tuple of str
-        The library of each problem, as `library_text` gives it, where they are known; no part of the identity.
 
     Raises
     ------
@@ -81,8 +84,6 @@ class BasinPlan:
 
     noun: ClassVar[str] = "search for basins"
     cells_noun: ClassVar[str] = "chunks of starts"
-    longest_batch: ClassVar[int] = 4
-    chained: ClassVar[bool] = False
 
     problem: Problem
     solver: str = "analytic"
@@ -95,7 +96,6 @@ class BasinPlan:
     seed: int = 0
     effort: int = EFFORT
     over: Axis | None = None
-    libraries: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if (self.plane is None) == (self.energy is None):
@@ -158,10 +158,9 @@ class BasinPlan:
         """
         return self.problem if self.grid is None else self.grid.problem_at(value)
 
-    def default_ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
+    def _default_ranges(self, plane: Plane) -> tuple[tuple[float, float], tuple[float, float]]:
         """Ranges of the plane's coordinates: some times the size of base motion and gap, and their velocity."""
-        problem, plane = self.problem, self.plane
-        assert plane is not None
+        problem = self.problem
         gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
         base = problem.base_motion
         size = (float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length) + float(getattr(base, "amplitude", 0.0))
@@ -172,30 +171,15 @@ class BasinPlan:
     @cached_property
     def axes(self) -> tuple[FloatArray, FloatArray]:
         """Values of the plane's coordinates, m or m/s, each of shape ``(n,)``; one value is the middle of its range."""
-        ranges = self.ranges or self.default_ranges()
+        assert self.plane is not None
+        ranges = self.ranges or self._default_ranges(self.plane)
         first, second = (
             np.linspace(low, high, n) if n > 1 else np.array([(low + high) / 2])
             for (low, high), n in zip(ranges, self.shape, strict=True)
         )
         return first, second
 
-    def moved_by(self, start: int) -> tuple[float, float]:
-        """By how much a start of the grid is moved along both coordinates, m or m/s.
-
-        Parameters
-        ----------
-        start : int
-            Number of the start; the second coordinate is the fastest.
-
-        Returns
-        -------
-        tuple of float
-            The values of both coordinates.
-        """
-        i, j = divmod(start, self.shape[1])
-        return float(self.axes[0][i]), float(self.axes[1][j])
-
-    def cell(self, cell: int) -> tuple[int, range | tuple[int, ...]]:
+    def chunk(self, cell: int) -> Chunk:
         """What a cell is.
 
         Parameters
@@ -205,89 +189,31 @@ class BasinPlan:
 
         Returns
         -------
-        int
-            The number of its problem.
-        range or tuple of int
-            The numbers of its starts.
+        Chunk
+            Its starts, and their problem.
         """
         if cell < self.values:
-            return cell, self._scouts
+            return Chunk(cell, self._scouts)
         value, chunk = divmod(cell - self.values, self.chunks)
-        return value, range(chunk * CHUNK, min((chunk + 1) * CHUNK, self.count))
+        return Chunk(value, range(chunk * CHUNK, min((chunk + 1) * CHUNK, self.count)))
 
     @cached_property
     def _scouts(self) -> tuple[int, ...]:
-        """The starts that are looked at first."""
+        """The numbers of the scouts of each problem."""
         if self.plane is None or min(self.shape) < 2:
             return tuple(np.unique(np.linspace(0, self.count - 1, min(SCOUTS, self.count)).astype(int)).tolist())
         side = math.isqrt(SCOUTS)
         rows, columns = (np.unique(np.linspace(0, n - 1, min(side, n)).astype(int)) for n in self.shape)
         return tuple((rows[:, None] * self.shape[1] + columns).ravel().tolist())
 
-    def describe(self, cell: int) -> str:
-        """A text for messages that names a cell.
-
-        Parameters
-        ----------
-        cell : int
-            Its number.
-
-        Returns
-        -------
-        str
-            The text.
-        """
-        value, starts = self.cell(cell)
-        which = "scouts" if cell < self.values else f"starts {starts[0]} to {starts[-1]}"
-        return which if self.grid is None else f"{self.grid.describe(value)}, {which}"
-
-    def chains(self) -> Iterator[tuple[int, ...]]:
-        """No cell follows another. See `lapjoint.campaigns.campaign.Campaign.chains`."""
-        return iter(())
-
     def check(self) -> Solver:
-        """Check all that can be checked. See `lapjoint.campaigns.campaign.Campaign.check`."""
-        from lapjoint.campaigns.basin_solving import period_map_of, prepared
-
+        """Make the solver; InputError if it does not take its options, or there is no valid problem or plane."""
         solver = make_solver(self.solver, **self.options)
         if self.grid is not None:
             self.grid.check()
         if self.plane is not None:
             self.plane.check(self.problem)
-        period_map_of(self.solver, dict(self.options), self.problem_at(0))
-        prepared(self, 0, "[]")
         return solver
-
-    def answer(
-        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
-    ) -> tuple[Chunk, None]:
-        """Find where the starts of a cell end. See `lapjoint.campaigns.campaign.Campaign.answer`."""
-        from lapjoint.campaigns.basin_solving import solve_chunk
-
-        try:
-            return solve_chunk(self, cell), None
-        except InputError as error:
-            raise InputError(f"{self.describe(cell)}: {error}" if self.grid else str(error)) from None
-
-    def point(self, fields: Mapping[str, Any]) -> Chunk:
-        """A chunk from its attributes. See `lapjoint.campaigns.campaign.Campaign.point`."""
-        return Chunk(**fields)
-
-    def dataset(self, points: Mapping[int, Chunk]) -> xr.Dataset:
-        """Where all starts end. See `lapjoint.campaigns.campaign.Campaign.dataset`."""
-        from lapjoint.campaigns.basin_dataset import dataset_of_basins
-        from lapjoint.campaigns.basin_table import branches_of, table_of
-
-        tables = []
-        for value in range(self.values):
-            first = self.values + value * self.chunks
-            own = [self._whole(cell, points[cell]) for cell in range(first, first + self.chunks)]
-            tables.append(table_of(self, value, points[value], own))
-        return dataset_of_basins(self, tables, None if self.over is None else branches_of(self, tables))
-
-    def _whole(self, cell: int, chunk: Chunk) -> Chunk:
-        """A chunk with an answer for each start, where its process died too."""
-        return Chunk.failed(len(self.cell(cell)[1]), chunk.message) if chunk.message else chunk
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -310,19 +236,3 @@ class BasinPlan:
     def fingerprint(self) -> str:
         """A digest of the identity, in hexadecimal digits."""
         return digest_of(self.identity, self.options)
-
-
-def library_text(chunk: Chunk) -> str:
-    """The motions of a chunk as one text, which is a key for what is made of them.
-
-    Parameters
-    ----------
-    chunk : Chunk
-        A chunk of scouts.
-
-    Returns
-    -------
-    str
-        JSON.
-    """
-    return json.dumps(chunk.motions)

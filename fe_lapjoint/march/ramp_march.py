@@ -1,8 +1,8 @@
-"""A march along ramps from knot to knot, compiled, as far as no stop can have switched.
+"""A march along ramps from knot to knot, up to the first switch of a stop.
 
 On every interval the gap functions are bounded as in `fe_lapjoint.march.events`: by a chord where both ends are known,
-and by the tangent where it begins.  An interval that neither clears is halved, some times.  What is left may hold a
-switch; there this stops, and `fe_lapjoint.march.events` has the word.
+and by the tangent where it begins.  An interval that neither clears is halved, up to `_HALVINGS` times.  The compiled
+march stops at an interval that may still hold a switch, which `fe_lapjoint.march.events` then searches: see `follow`.
 
 Arrays are named as in `fe_lapjoint.march.ramp_interval`.
 """
@@ -10,46 +10,66 @@ Arrays are named as in `fe_lapjoint.march.ramp_interval`.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from fe_lapjoint.march.events import CONTINUOUS, SURE, BoolArray
+from fe_lapjoint.march.compiled import above_troughs
+from fe_lapjoint.march.envelope import Envelope
+from fe_lapjoint.march.events import CONTINUOUS, SURE, BoolArray, in_python
 from fe_lapjoint.march.ramp_interval import (
     Interval,
     Knots,
+    RampTables,
     areas_of,
     begin_interval,
+    knots_of,
     move,
+    moved,
+    new_interval,
+    place_at,
     places_at,
+    ramp_tables,
     state_at,
     waves_of,
 )
-from fe_lapjoint.march.ramp_tables import RampTables
-from fe_lapjoint.march.system import ComplexArray
+from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.compiled.arrays import complex_zeros, int_zeros, put, zeros
 from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
-_HALVINGS = 6  # of an interval before it is searched: 64 steps of a window, about as many as without ramps
-_ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
+LONGEST = 64
+"""Most knots of a piece of the motion; a piece keeps its start alone, and is marched again when it is evaluated."""
+_HALVINGS = 6
+"""Halvings of an interval before it is searched: 64 steps of a window, about as many as without ramps."""
+_ROUNDINGS = 1e-15
+"""Relative to the time: two knots may be this much nearer or further than the spacing."""
+_RELATIVE = 1e-12
+"""Error of the deepest penetration, relative to it; a maximum is flat, so its time is known to 1e-6."""
+_DEEP = 48
+"""Most halvings: more than reach the last digit of an interval."""
+_NEWTON = 30
+"""Most steps of Newton's method."""
 _EPS = float(np.finfo(float).eps)
-_CLEAR, _UNCLEAR, _RISING = 0, 1, 2  # no switch; perhaps one; one, on a gap function that rises all the way
+_CLEAR, _UNCLEAR, _RISING = 0, 1, 2
+"""No switch; perhaps a switch; one switch, on a gap function that rises all the way."""
 
 
 @by_reference
 class Watch(NamedTuple):
-    """What a march knows of its ``P`` stops; all but `fresh` is changed in place."""
+    """The state of the search for switches of ``P`` stops in a march; all but `fresh` is changed in place."""
 
     fresh: BoolArray
     """Whether each stop may have switched where the march begins, shape ``(P,)``."""
     shift: FloatArray
     """How far above 0 each gap function was on entering the state, m, shape ``(P,)``; 0 once it has been below."""
     before: FloatArray
-    """What rounding made of each gap function in the interval before, m, shape ``(P,)``."""
+    """Rounding error of each gap function in the interval before, m, shape ``(P,)``."""
     level: FloatArray
-    """What it must exceed for the stop to switch, m, shape ``(P,)``."""
+    """Level that each gap function must exceed for its stop to switch, m, shape ``(P,)``."""
     held: BoolArray
     """Whether each stop has switched where the unclear part begins, shape ``(P,)``."""
     unclear: BoolArray
@@ -60,26 +80,13 @@ class Watch(NamedTuple):
 
 @njit_inner()
 def interval_of(knots: Knots, t: float) -> int:
-    """Between which knots a time is; at a knot, after it.
-
-    Parameters
-    ----------
-    knots : Knots
-        The forces.
-    t : float
-        The time, s.
-
-    Returns
-    -------
-    int
-        From 0 to K - 2: before the first knot and after the last one the nearest ramp goes on.
-    """
+    """Index j, 0 to K - 2, of the ramp at time `t`, s; at a knot the later ramp; outside all knots the nearest."""
     return min(max(int(np.searchsorted(knots.time, t, side="right")) - 1, 0), knots.time.size - 2)
 
 
 @njit_inner()
 def _next(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
-    """Until when one closed form is followed, how long that is, and between which knots the next one begins."""
+    """End and length of the time that a closed form is followed, s, and the index of the ramp where the next begins."""
     knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
     until = min(knot, end, t + tables.window)
     width = until - t
@@ -99,32 +106,12 @@ def over_knots(
     it: Interval,
     watch: Watch,
 ) -> tuple[float, float, float, int]:
-    """March on until a stop may switch, to a time, or over a number of closed forms.
+    """March on until a stop may switch, to `end`, s, or over `most` closed forms.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t : float
-        Where a closed form begins, s.
-    since : float
-        Up to here no stop switches, s from there.
-    end : float
-        Until when at the latest, s.
-    most : int
-        Over how many closed forms at most.
-    y : FloatArray, shape (2 n,)
-        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
-    it : Interval
-        Takes the last closed form that is begun.
-    watch : Watch
-        The stops.
-
-    Returns
-    -------
-    float, float, float, int
-        Where the last closed form begins, s; from when to when in it a stop may switch, s from there, both 0 if none
-        can; how many closed forms lie behind.
+    `t`, s, is where a closed form begins, and no stop switches in its first `since` seconds.  `y`, ``(2 n,)``, holds
+    (q, q') at `t`, and is replaced by (q, q') where the last closed form begins; `it` takes that closed form. Given
+    back are where it begins, s; from when to when after its beginning a stop may switch, s, both 0 if none can; and how
+    many closed forms lie behind.
     """
     p, stops = tables.places.shape[0], watch.fresh.size
     waves, inner = complex_zeros(tables.rates.shape), complex_zeros(tables.rates.shape)
@@ -166,7 +153,7 @@ def _gap(tables: RampTables, k: int, z: FloatArray) -> tuple[float, float]:
 
 @njit_inner()
 def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, watch: Watch) -> None:
-    """Write what each gap function must exceed in an interval that begins."""
+    """Write the level that each gap function must exceed in an interval that begins."""
     for k in range(watch.fresh.size):
         h, _ = _gap(tables, k, z)
         now = it.rounding[tables.place_of[k]] + _EPS * abs(tables.offset[k])
@@ -183,10 +170,10 @@ def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, wa
 def _look(
     tables: RampTables, it: Interval, since: float, width: float, waves: ComplexArray, z: FloatArray, watch: Watch
 ) -> tuple[float, float]:
-    """From when to when in an interval a stop may switch, both 0 if none can.
+    """From when to when in an interval a stop may switch, s, both 0 if none can.
 
-    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; the rest is room
-    for what lies between, the nearest last.
+    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; its other rows are
+    room for the motion between, the nearest last.
     """
     ends, halvings = zeros(_HALVINGS + 2), int_zeros(_HALVINGS + 2)
     bounds = zeros((3, z.shape[1]))
@@ -263,26 +250,11 @@ def account(
     areas: FloatArray,
     deepest: FloatArray,
 ) -> None:
-    """Integrals and peaks of the displacements of the stops over a march without switches.
+    """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t, end : float
-        From when to when, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') at `t`, kg^1/2 m and kg^1/2 m/s; replaced by that at the end.
-    it : Interval
-        Room for a closed form.
-    depth : bool
-        Whether to find the peaks.
-    closed : BoolArray, shape (P,)
-        Of which stops.
-    areas : FloatArray, shape (P,)
-        Takes the time integral of z at each stop, m s.
-    deepest : FloatArray, shape (P,)
-        Deepest penetration of each so far, m; raised.
+    `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q') at the end; `it` is room for a closed form.
+    `areas`, m s, ``(P,)``, takes the time integral of z at each stop; `deepest`, m, ``(P,)``, is raised for the
+    `closed` stops if `depth`.
     """
     p, stops = tables.places.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
@@ -307,11 +279,6 @@ def account(
         areas[k] = sums[tables.place_of[k]]
 
 
-_RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
-_DEEP = 48  # halvings, at most: more than leave the last digit of an interval
-_NEWTON = 30  # steps, at most
-
-
 @njit_inner()
 def _put_depth(target: FloatArray, sign: float, values: FloatArray, offset: float) -> None:
     """Write the penetration of a stop, m, and two derivatives, from the motion of its place."""
@@ -322,12 +289,11 @@ def _put_depth(target: FloatArray, sign: float, values: FloatArray, offset: floa
 
 @njit_inner()
 def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: FloatArray, found: float) -> float:
-    """The larger of what has been found, and the deepest penetration of a stop in an interval, m.
+    """The larger of `found` and the deepest penetration of a stop in an interval, m.
 
-    `limits`, shape ``(2, p, 3)``, holds the motion of the places at both ends.
-
-    A part is left out where a bound says that it holds nothing deeper, or where the penetration has no inflection: then
-    its maximum is at an end, or where its rate passes through 0.  The others are halved.
+    `limits`, shape ``(2, p, 3)``, holds the motion of the places at both ends. A part is left out where a bound says
+    that it holds nothing deeper, or where the penetration has no inflection: then its maximum is at an end, or where
+    its rate passes through 0.  The other parts are halved.
     """
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
     waves, z = complex_zeros(tables.rates.shape), zeros((tables.places.shape[0], 3))
@@ -389,24 +355,10 @@ def coordinates_at(
     order: int,
     result: FloatArray,
 ) -> None:
-    """Write a time derivative of the modal displacements at ``m`` times of a march without switches.
+    """Write the time derivative of q of an order (0 to 2) at ascending `times`, s, ``(m,)``, into `result`, ``(m, n)``.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    t : float
-        Where the march begins, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') then, kg^1/2 m and kg^1/2 m/s; replaced by that where the last closed form begins.
-    it : Interval
-        Room for a closed form.
-    times : FloatArray, shape (m,)
-        The times, s, ascending.
-    order : int
-        Which derivative, 0 to 2.
-    result : FloatArray, shape (m, n)
-        kg^1/2 m over s^order; written.
+    The march begins at `t`, s, and has no switches.  `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q')
+    where the last closed form begins; `it` is room for a closed form.
     """
     m, i, waves = times.size, 0, complex_zeros(tables.rates.shape)
     j = interval_of(knots, t)
@@ -421,3 +373,125 @@ def coordinates_at(
             waves_of(tables, width, waves)
             move(tables, it, width, waves, y)
         t, j = until, following
+
+
+@dataclass(frozen=True)
+class RampMotion:
+    """The motion of ``n`` modes from a time on, in one block of knots, without switches; as `Coordinates`."""
+
+    tables: RampTables
+    knots: Knots
+    start: float
+    """Start of the motion, s."""
+    y: FloatArray
+    """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
+        order = np.argsort(t, kind="stable")
+        result = np.empty((t.size, self.y.size // 2))
+        coordinates_at(
+            self.tables, self.knots, self.start, self.y.copy(), new_interval(self.tables), t[order], dt, result
+        )
+        unsorted = np.empty_like(result)
+        unsorted[order] = result
+        return unsorted.T
+
+    def accounted(
+        self, end: float, depth: bool, closed: BoolArray, deepest: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Time integral of z at each stop up to `end`, m s, and the deepest penetration so far, m, each ``(P,)``.
+
+        `closed` says which stops count, ``(P,)``; `deepest` holds their deepest penetration before, m, ``(P,)``;
+        `depth` says whether penetrations are looked at.
+        """
+        areas, deepest = np.zeros(closed.size), deepest.copy()
+        account(
+            self.tables,
+            self.knots,
+            self.start,
+            end,
+            self.y.copy(),
+            new_interval(self.tables),
+            depth,
+            closed,
+            areas,
+            deepest,
+        )
+        return areas, deepest
+
+
+def motion_of(system: System, t: float, y: FloatArray) -> RampMotion:
+    """The motion in one contact state from (q, q') at time `t`, s, to the end of a block of sampled forces."""
+    assert system.ramps is not None
+    unused = np.zeros(len(system.stops))
+    return RampMotion(ramp_tables(system, unused, unused, np.inf), knots_of(system.ramps.ramps.block_at(t)), t, y)
+
+
+@dataclass(frozen=True)
+class RampGaps:
+    """The gap functions between two knots; see `fe_lapjoint.march.events.BoundedGaps`."""
+
+    tables: RampTables
+    interval: Interval
+    start: float
+    """Start of the interval, s."""
+
+    def at(self, k: int, t: float) -> tuple[float, float]:
+        """One gap function and its rate. See `fe_lapjoint.march.events.BoundedGaps.at`."""
+        z, rate = place_at(self.tables, self.interval, self.tables.place_of[k], t - self.start)
+        sign = float(self.tables.orientation[k])
+        return sign * z - float(self.tables.offset[k]), sign * rate
+
+    @cached_property
+    def _envelope(self) -> Envelope:
+        it = self.tables
+        return Envelope(self.start, it.fading, it.shares, *self.interval.bounds[:3])
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Bounds on the curvature, m/s2, ``(P,)``. See `fe_lapjoint.march.events.BoundedGaps.curvature`."""
+        return np.asarray((self._envelope.shares @ self._envelope.curvature)[self.tables.place_of])
+
+    def from_chord(self, t: FloatArray, width: float) -> FloatArray:
+        """Bounds between the ends of intervals. See `fe_lapjoint.march.events.BoundedGaps.from_chord`."""
+        return np.asarray(self._envelope.from_chord(t, width)[self.tables.place_of])
+
+    def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
+        """Bounds on a gap function. See `fe_lapjoint.march.events.BoundedGaps.ceiling`."""
+        it, u = self.tables, self.tables.place_of[k]
+        towards = side * float(it.orientation[k])
+        above = above_troughs(self.interval.at_places[u], it.rates, it.swinging, towards, t - self.start, width)
+        return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
+
+    def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
+        """Bounds on the time ahead. See `fe_lapjoint.march.events.BoundedGaps.from_tangent`."""
+        return self._envelope.from_tangent(int(self.tables.place_of[k]), t, width)
+
+
+def follow(
+    motion: RampMotion, end: float, fresh: BoolArray, shift: FloatArray, rounding: FloatArray
+) -> tuple[float, FloatArray, int]:
+    """Follow a motion to its first switch, to `end`, s, or over `LONGEST` knots.
+
+    Given back are the time reached, s, (q, q') there, ``(2 n,)``, and the stop that switches, -1 for none. `fresh`,
+    ``(P,)``, says whether each stop may have switched at the start. `shift`, m, ``(P,)``, says how far above 0 each gap
+    function was when its stop switched, until it has been below 0; it is changed in place. `rounding`, m, ``(P,)``, is
+    the rounding error of each gap function before; the error at the end replaces it.
+    """
+    tables, knots, y = motion.tables, motion.knots, motion.y.copy()
+    held, unclear = np.zeros((2, fresh.size), dtype=bool)
+    watch = Watch(fresh, shift, rounding, np.zeros(fresh.size), held, unclear, np.zeros((fresh.size, 4)))
+    it, t, since, passed = new_interval(tables), motion.start, 0.0, 0
+    while True:
+        t, lo, hi, more = over_knots(tables, knots, t, since, end, LONGEST - passed, y, it, watch)
+        passed, since = passed + more, hi
+        if hi == 0:
+            return t, y, -1
+        begin, latest = t + lo, t + hi
+        gaps = RampGaps(tables, it, t)
+        rounding = (watch.level - watch.shift) / SURE
+        known = watch.unclear, watch.ends, watch.level, rounding, watch.held, gaps.curvature
+        time, stop = in_python.first_in(gaps, begin, latest, *known, abs(latest))
+        if stop >= 0:
+            return float(time), moved(tables, it, time - t), int(stop)

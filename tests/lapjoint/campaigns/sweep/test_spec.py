@@ -10,12 +10,13 @@ import pytest
 
 from lapjoint import ModalDamping, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis
-from lapjoint.campaigns.basin_plan import BasinPlan
+from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
-from lapjoint.campaigns.realisations import Realisations
+from lapjoint.campaigns.statistics.spec import Realisations
+from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.campaigns.sweep.table import sweep_dataset
 
 JOINT = paper_joint()
 FREQUENCIES, RATIOS = (300.0, 100.0, 200.0), (0.08, 0.02)
@@ -73,7 +74,7 @@ def test_an_answer_stands_at_the_values_of_its_problem() -> None:
         assert isinstance(ratio, float)
         impulses = tuple(omega * (1 + i) for i in range(len(JOINT.stops)))
         points[cell] = Point("PERIODIC", 1, residual=ratio, impulses=impulses, duration=omega)
-    found = SWEEP.dataset(points)
+    found = sweep_dataset(SWEEP, points)
     for omega in FREQUENCIES:
         for ratio in RATIOS:
             here = found.sel({"angular_frequency": omega, "damping_ratio": ratio})

@@ -2,23 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from lapjoint.campaigns.basin_plan import EFFORT, BasinPlan, library_text
-from lapjoint.campaigns.batch import Batch
+from lapjoint.campaigns.basins.spec import EFFORT, BasinPlan
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.journal import Journal
-from lapjoint.campaigns.running import delivery, send, solve, stored
+from lapjoint.campaigns.job import Job
+from lapjoint.campaigns.point import PlainSection
+from lapjoint.campaigns.running import run_job, solve_job
 from lapjoint.campaigns.workers import Workers
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
-from lapjoint.solver import Progress
+from lapjoint.solver import Progress, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from lapjoint.campaigns.basins.solve import ChunkEnds
+
+
+@dataclass(frozen=True)
+class BasinJob(Job[BasinPlan, "ChunkEnds"]):
+    """The work on basins; its cells are chunks of starts, first the scouts.
+
+    What imports scipy and numba is imported late, as `lapjoint.campaigns` is imported for much less.
+    """
+
+    longest_batch: ClassVar[int] = 4
+    libraries: tuple[str, ...] = ()
+    """The library of each problem, as `library_text` gives it, once the scouts are done."""
+
+    def check(self) -> None:
+        """Check the plan, and whether its first problem can be started as the plan says."""
+        from lapjoint.campaigns.basins.solve import prepared
+
+        super().check()
+        prepared(self.spec, 0)
+
+    @property
+    def first_stage(self) -> int:
+        """Number of the chunks of scouts, one for each problem."""
+        return self.spec.values
+
+    def informed(self, points: Mapping[int, ChunkEnds]) -> BasinJob:
+        """The job that knows the motions that the scouts found."""
+        from lapjoint.campaigns.basins.solve import library_text
+
+        return replace(self, libraries=tuple(library_text(points[value]) for value in range(self.first_stage)))
+
+    def answer(
+        self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
+    ) -> tuple[ChunkEnds, None]:
+        """Where the starts of a cell end."""
+        from lapjoint.campaigns.basins.solve import NO_LIBRARY, solve_chunk
+
+        library = NO_LIBRARY if cell < self.first_stage else self.libraries[self.spec.chunk(cell).value]
+        return solve_chunk(self.spec, cell, library), None
+
+    def point(self, fields: Mapping[str, Any]) -> ChunkEnds:
+        """The ends of a chunk from their attributes."""
+        from lapjoint.campaigns.basins.solve import ChunkEnds
+
+        return ChunkEnds(**fields)
+
+    def dataset(self, points: Mapping[int, ChunkEnds]) -> xr.Dataset:
+        """The dataset of all chunks."""
+        from lapjoint.campaigns.basins.table import basins_dataset
+
+        return basins_dataset(self.spec, points)
 
 
 def basins(
@@ -110,10 +163,7 @@ def basins(
         effort,
         over,
     )
-    found = None if out is None else stored(plan, out, force=force)
-    if found is not None:
-        return found
-    return solve_basins(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+    return run_job(BasinJob(plan), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 
 def solve_basins(
@@ -125,66 +175,9 @@ def solve_basins(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run a plan, and replace what is in `out`; if there is a journal of the plan beside it, resume from that.
+    """Run the plan of basins, and replace what is in `out`.  See `basins` for the arguments.
 
-    Parameters
-    ----------
-    plan : BasinPlan
-        The plan.
-    workers : int or map-like callable
-        Number of processes, -1 for all processors, or a function like `map`.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers do the work instead.
-    out : str or Path, optional
-        File of the dataset.
-    force : bool
-        Whether the journal of something else may be thrown away.
-    progress : callable, optional
-        Called with the number of chunks of starts done and the number of all.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-
-    Raises
-    ------
-    InputError
-        If the plan is not valid, the journal belongs to something else, or another process works on it.
-    OutputError
-        If the disk is full; the message says how much is kept.
-    SolverError
-        If the workers are lost; the message says how much is kept.
-    Interrupted
-        After Ctrl-C; the message says how much is kept.
+    If there is a journal of the plan beside `out`, the search resumes from it; `force` concerns the journal of other
+    work.
     """
-    return solve(
-        plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress, work=_scouts_first
-    )
-
-
-def _scouts_first(
-    plan: BasinPlan,
-    chunks: dict[int, Any],
-    journal: Journal | None,
-    workers: Workers,
-    scheduler: str | None,
-    progress: Progress | None,
-) -> None:
-    """Find the chunks that are missing, first the scouts, and keep them in `chunks` or in the journal."""
-    deliver = delivery(plan, chunks, journal, progress)
-    scouts = _batches((cell for cell in range(plan.values) if cell not in chunks), 1)
-    if scouts:
-        send(plan, scouts, workers, scheduler, deliver)
-    known = replace(plan, libraries=tuple(library_text(chunks[value]) for value in range(plan.values)))
-    left = [cell for cell in range(plan.values, plan.size) if cell not in chunks]
-    parts = workers if isinstance(workers, int) else 1
-    todo = _batches(left, max(1, min(plan.longest_batch, len(left) // (4 * parts))))
-    if todo:
-        send(known, todo, workers, scheduler, deliver)
-
-
-def _batches(cells: Iterable[int], length: int) -> list[Batch]:
-    """Batches of at most `length` cells."""
-    left = list(cells)
-    return [Batch(tuple(left[i : i + length])) for i in range(0, len(left), length)]
+    return solve_job(BasinJob(plan), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import math
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from killing import killed_at_work
 
-import lapjoint.campaigns.realisations
 from lapjoint import Beam, InputError, ModalDamping, Problem, SolverError, Stop, Support, statistics, write_problem
 from lapjoint.campaigns.journal import journal_path
-from lapjoint.campaigns.realisations import Realisations
+from lapjoint.campaigns.statistics import solve
+from lapjoint.campaigns.statistics.spec import Realisations
 from lapjoint.errors import Interrupted
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.solver import Solver
@@ -101,18 +97,7 @@ def test_killed_at_once_they_resume_with_the_same_bits(whole: xr.Dataset, tmp_pa
     out, problem = tmp_path / "stats.nc", tmp_path / "noisy.toml"
     write_problem(NOISY, problem)
     command = ["statistics", str(problem), "--duration", "1.5", "--seeds", "4", "--modes", "2", "--out", str(out)]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "lapjoint", *command, "--workers", "2"],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
-    end = time.monotonic() + 120
-    while not (out.exists() or (journal_path(out).exists() and journal_path(out).read_bytes().count(b"\n") > 1)):
-        assert time.monotonic() < end
-        time.sleep(0.005)
-    os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+    killed_at_work(["-m", "lapjoint", *command, "--workers", "2"], out, 1)
     xr.testing.assert_identical(statistics(NOISY, seeds=4, out=out, **GIVEN), whole)
 
 
@@ -137,14 +122,14 @@ def test_what_cannot_be_is_refused(problem: Problem, given: dict[str, Any], mess
 
 
 def test_realisations_that_failed_are_told_and_left_out(monkeypatch: pytest.MonkeyPatch, whole: xr.Dataset) -> None:
-    made = lapjoint.campaigns.realisations.sums_of
+    made = solve.sums_of
 
     def fails(what: Measure, solver: Solver, problem: Problem, progress: Any) -> Sums:
         if problem.base_motion.seed in broken:  # type: ignore[union-attr]
             raise SolverError("stuck")
         return made(what, solver, problem, progress)
 
-    monkeypatch.setattr(lapjoint.campaigns.realisations, "sums_of", fails)
+    monkeypatch.setattr(solve, "sums_of", fails)
     broken = [2]
     found = statistics(NOISY, seeds=4, **GIVEN)
     assert (found.attrs["failed"], found.attrs["messages"], found.attrs["units"]) == (1, "stuck", 3)

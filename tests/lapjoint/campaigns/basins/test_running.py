@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from killing import killed_at_work
 from scipy.stats import binomtest
 from toy import bar
 
 from lapjoint import Axis, InputError, ModalDamping, basins
-from lapjoint.campaigns import BasinPlan
-from lapjoint.campaigns.basin_chunk import Chunk
-from lapjoint.campaigns.basin_dataset import read_basins
-from lapjoint.campaigns.basin_plan import CHUNK
-from lapjoint.campaigns.basin_table import wilson
-from lapjoint.campaigns.dataset import read_curve
-from lapjoint.campaigns.journal import Journal, journal_path
+from lapjoint.campaigns.basins.motions import wilson
+from lapjoint.campaigns.basins.running import BasinJob
+from lapjoint.campaigns.basins.solve import ChunkEnds
+from lapjoint.campaigns.basins.spec import CHUNK, BasinPlan
+from lapjoint.campaigns.basins.table import read_basins
+from lapjoint.campaigns.journal import CellJournal, journal_path
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.errors import Interrupted
 from lapjoint.problem.plane import Plane
 from lapjoint.solver import Solver
@@ -67,9 +63,9 @@ def test_intervals_are_those_of_wilson(count: int, total: int) -> None:
 def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "basins.nc"
     whole, solved = basins(MIRROR, **PLANE), list[int]()
-    answer = BasinPlan.answer
+    answer = BasinJob.answer
 
-    def counted(self: BasinPlan, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[Chunk, None]:
+    def counted(self: BasinJob, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[ChunkEnds, None]:
         if len(solved) == 2:
             raise KeyboardInterrupt
         solved.append(cell)
@@ -77,7 +73,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     with monkeypatch.context() as within:
-        within.setattr(BasinPlan, "answer", counted)
+        within.setattr(BasinJob, "answer", counted)
         with pytest.raises(Interrupted, match=r"2 of 3 chunks of starts are kept in .*; the same command resumes"):
             basins(MIRROR, **PLANE, out=out)
         plan = BasinPlan(
@@ -87,7 +83,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
             shape=PLANE["grid"],
             ranges=PLANE["ranges"],
         )
-        journal = Journal(plan, out)
+        journal = CellJournal(BasinJob(plan), out)
         assert sorted(journal.points) == solved == [0, 1]
         journal.close()
     xr.testing.assert_identical(basins(MIRROR, **PLANE, out=out), whole)
@@ -98,7 +94,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
 SCRIPT = """
 import sys
 sys.path.insert(0, sys.argv[2])
-from test_basins import MIRROR, TWO
+from test_running import MIRROR, TWO
 from lapjoint import basins
 if __name__ == "__main__":
     basins(MIRROR, energy=20.0, starts=6400, out=sys.argv[1], workers=2, **TWO)
@@ -110,18 +106,9 @@ def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) ->
     out = tmp_path / "basins.nc"
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    here = os.pathsep.join(sys.path)
-    command = [sys.executable, str(script), str(out), str(Path(__file__).parent)]
-    process = subprocess.Popen(command, env={**os.environ, "PYTHONPATH": here}, start_new_session=True)
-    try:
-        journal, until = journal_path(out), time.monotonic() + 100
-        while time.monotonic() < until and not (journal.exists() and journal.read_bytes().count(b"\n") > 3):
-            time.sleep(0.05)
-    finally:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+    killed_at_work([str(script), str(out), str(Path(__file__).parent)], out, 3)
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=6400)
-    kept = Journal(plan, out)
+    kept = CellJournal(BasinJob(plan), out)
     assert len(kept.points) >= 2
     kept.close()
 
@@ -177,15 +164,15 @@ def test_what_cannot_be_done_is_refused_at_once(changed: dict[str, Any], said: s
 def test_numbers_of_a_chunk_are_what_json_holds() -> None:
     import json
 
-    plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
-    chunk, _ = plan.answer(0, plan.check(), None)
-    assert plan.point(json.loads(json.dumps(vars(chunk)))) == chunk
+    job = BasinJob(BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5))
+    chunk, _ = job.answer(0, job.spec.check(), None)
+    assert job.point(json.loads(json.dumps(vars(chunk)))) == chunk
 
 
 def test_starts_whose_process_died_have_failed() -> None:
-    plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5)
-    scouts, _ = plan.answer(0, plan.check(), None)
-    found = plan.dataset({0: scouts, 1: plan.point({"message": "it died"})})
+    job = BasinJob(BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=5))
+    scouts, _ = job.answer(0, job.spec.check(), None)
+    found = job.dataset({0: scouts, 1: job.point({"message": "it died"})})
     assert found.motion.values.tolist() == [-1] * 5
     assert found.unbound_fraction.values.tolist() == [0.0, 0.0, 0.0, 1.0]
     assert set(found.failure_message.values) == {"it died"}

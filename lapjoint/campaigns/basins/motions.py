@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lapjoint.campaigns.basin_chunk import UNBOUND, Chunk
-from lapjoint.campaigns.basin_plan import BasinPlan
-from lapjoint.campaigns.basin_solving import motion_from, prepared
-from lapjoint.campaigns.batch import made_solver
+from lapjoint.campaigns.basins.solve import UNBOUND, ChunkEnds, motion_from, prepared
+from lapjoint.campaigns.basins.spec import BasinPlan
+from lapjoint.campaigns.batch import solver_of
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.certified import CertifiedMotion, mirrored_motion, same_motion
 from lapjoint.orbits.compiled_intervals import IndexArray
@@ -60,26 +59,12 @@ class MotionTable:
         return np.bincount(self.motion[self.motion >= 0], minlength=len(self.motions))
 
 
-def table_of(plan: BasinPlan, value: int, scouts: Chunk, chunks: Sequence[Chunk]) -> MotionTable:
-    """The table of one problem.
+def table_of(plan: BasinPlan, value: int, scouts: ChunkEnds, chunks: Sequence[ChunkEnds]) -> MotionTable:
+    """The motions of one problem, and where each start ends.
 
-    Parameters
-    ----------
-    plan : BasinPlan
-        The plan.
-    value : int
-        Number of the problem.
-    scouts : Chunk
-        The chunk of its scouts, whose motions are the library.
-    chunks : sequence of Chunk
-        All others, in the order of their starts.
-
-    Returns
-    -------
-    MotionTable
-        Its motions, and where each start ends.
+    The motions of `scouts` are the library; `chunks` are all others, in the order of their starts.
     """
-    half_periods = HalfPeriods(prepared(plan, value, "[]").period_map)
+    half_periods = HalfPeriods(prepared(plan, value).period_map)
     library = [motion_from(plain) for plain in scouts.motions]
     motions, numbers, pushed = list(library), list[int](), list[int]()
     messages: dict[int, str] = {}
@@ -166,7 +151,7 @@ def _twins(half_periods: HalfPeriods, motions: Sequence[CertifiedMotion]) -> Ind
 
 def _errors(plan: BasinPlan, value: int, motions: Sequence[CertifiedMotion]) -> FloatArray:
     """Errors of the impulses, N s, from the solver's own refinement; infinite where it states none."""
-    problem, solver = plan.problem_at(value), made_solver(plan.solver, plan.options)
+    problem, solver = plan.problem_at(value), solver_of(plan)
     errors = np.full((len(motions), len(problem.stops)), math.inf)
     for i, motion in enumerate(motions):
         try:
@@ -179,18 +164,7 @@ def _errors(plan: BasinPlan, value: int, motions: Sequence[CertifiedMotion]) -> 
 
 
 def wilson(count: int, total: int) -> tuple[float, float]:
-    """The Wilson interval of a share, at 95 %.
-
-    Parameters
-    ----------
-    count, total : int
-        How many of how many.
-
-    Returns
-    -------
-    tuple of float
-        Its ends, from 0 to 1.
-    """
+    """The ends of the Wilson interval at 95 % of the share `count` of `total`, from 0 to 1."""
     z2 = NORMAL_95**2
     share = count / total
     middle = (share + z2 / (2 * total)) / (1 + z2 / total)
@@ -200,23 +174,13 @@ def wilson(count: int, total: int) -> tuple[float, float]:
 
 
 def branches_of(plan: BasinPlan, tables: Sequence[MotionTable]) -> list[IndexArray]:
-    """Which branch the motions of each problem belong to, along the values of `over`.
+    """The branch of each motion of each problem, shape (M,), along the values of `over`.
 
-    Parameters
-    ----------
-    plan : BasinPlan
-        The plan.
-    tables : sequence of MotionTable
-        The table of each problem.
-
-    Returns
-    -------
-    list of ndarray, shape (M,)
-        The number of each motion's branch, counted from 0 in the order in which they are met.
+    Branches are numbered from 0 in the order in which they are met.
     """
     assert plan.over is not None
     branches = [np.full(len(table.motions), UNBOUND, dtype=np.intp) for table in tables]
-    maps = [HalfPeriods(prepared(plan, value, "[]").period_map) for value in range(plan.values)]
+    maps = [HalfPeriods(prepared(plan, value).period_map) for value in range(plan.values)]
     ascending, used = np.argsort(plan.over.values, kind="stable").tolist(), 0
     for at, value in enumerate(ascending):
         if at:
