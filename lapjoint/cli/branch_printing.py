@@ -101,7 +101,7 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
 
 
 def _unknown_text(dataset: xr.Dataset) -> str:
-    """How likely it is that a branch is unknown, in a sentence; with a second number, on average over its values."""
+    """How likely it is that a branch is unknown, in a sentence; with a second parameter, on average over its values."""
     from lapjoint.campaigns.branches.unknown import Reached
 
     if not int(dataset.attrs["starts"]):

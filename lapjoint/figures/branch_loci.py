@@ -42,7 +42,7 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     """
     second = second_parameter_of(dataset)
     if second is None:
-        raise InputError("the branches are of one problem, not of several values of a second number: no loci")
+        raise InputError("the branches are of one problem, not of several values of a second parameter: no loci")
     axes = new_axes(5.0, 3.4) if axes is None else axes
     names = np.array([locus_name(dataset, j) for j in range(dataset.sizes["bifurcation"])], dtype=object)
     locus, x, y = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))

@@ -1,4 +1,4 @@
-"""The parts of searches for branches that can be done at the same time, as cells that workers solve."""
+"""Cells of a search for branches: the parts of the search that workers can do at the same time."""
 
 from __future__ import annotations
 
@@ -15,63 +15,41 @@ from lapjoint.solver import Progress, Solver
 
 @dataclass(frozen=True)
 class Found:
-    """What a part came to."""
+    """The result of a part of a search."""
 
     result: dict[str, Any]
-    """As `lapjoint.campaigns.branches.solve.solve_start` or `solve_branch` gives it."""
+    """The values that `lapjoint.campaigns.branches.solve.solve_start` or `solve_branch` gives."""
 
     @property
     def message(self) -> str:
-        """Why there is nothing; empty where there is something."""
+        """Why the part has no result; empty where the part has one."""
         return str(self.result.get("message", ""))
 
 
 @dataclass
 class Parts:
-    """Parts of the work that do not depend on each other: `lapjoint.campaigns.job.CellSolver`.
+    """Parts of a search that do not depend on each other, as cells: `lapjoint.campaigns.job.CellSolver`.
 
-    Others come to them while workers solve some.
+    While workers solve some parts, further parts are added.
     """
 
     spec: BranchSpec
-    """What is asked, at all values of the second parameter."""
+    """The question of the search, at all values of the second parameter."""
     parts: Mapping[int, Part]
-    """The parts that are not done, by the numbers of their cells; never changed, but replaced by another mapping, as a
-    worker may be about to be sent it."""
+    """The parts that are not done, by the numbers of their cells.  The mapping is replaced and never changed: a worker
+    may be about to receive it."""
     size: int
     """Number of cells so far."""
 
     def more(self, parts: Sequence[Part]) -> list[int]:
-        """Take further parts.
-
-        Parameters
-        ----------
-        parts : sequence of Part
-            The parts.
-
-        Returns
-        -------
-        list of int
-            The numbers of their cells.
-        """
+        """Add parts, and return the numbers of their cells."""
         cells = list(range(self.size, self.size + len(parts)))
         self.parts = {**self.parts, **dict(zip(cells, parts, strict=True))}
         self.size += len(parts)
         return cells
 
     def done(self, cell: int) -> Part:
-        """Forget a part that is done.
-
-        Parameters
-        ----------
-        cell : int
-            Number of its cell.
-
-        Returns
-        -------
-        Part
-            The part.
-        """
+        """Remove a part that is done, by the number of its cell, and return the part."""
         part = self.parts[cell]
         self.parts = {other: one for other, one in self.parts.items() if other != cell}
         return part
@@ -79,11 +57,11 @@ class Parts:
     def answer(
         self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
     ) -> tuple[Found, None]:
-        """Do a part. See `lapjoint.campaigns.job.CellSolver.answer`."""
+        """Do a part.  See `lapjoint.campaigns.job.CellSolver.answer`."""
         return Found(self.parts[cell].solved(self.spec, progress)), None
 
     def point(self, fields: Mapping[str, Any]) -> Found:
-        """A part that is given up. See `lapjoint.campaigns.job.CellSolver.point`."""
+        """The result of a part that is given up.  See `lapjoint.campaigns.job.CellSolver.point`."""
         return Found({"starts": [], "points": [], **fields})
 
     def rehearse(self, solver: Solver) -> None:

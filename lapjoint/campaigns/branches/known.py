@@ -1,8 +1,8 @@
 """Whether a motion lies on a branch that is known.
 
-The branch has a motion for each value of the parameter between two neighbouring knots, its points and bifurcations.
-Where the motion in question has its parameter between two knots, and as many events as one of them, the branch's motion
-at that parameter is solved for, and both are compared with all images by whole periods and mirrored half periods.
+Knots of a branch are its points and bifurcations.  For a parameter between two neighbouring knots the motion of the
+branch is solved for.  The motion in question is compared with the branch's motion at its own parameter, and with all
+images of that motion by whole periods and mirrored half periods; both must have as many events.
 """
 
 from __future__ import annotations
@@ -30,20 +30,13 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 
 _LOCATED = 1e-6, 1e-3
-"""Distances of the parameter over its scale, and of the motion over its size, up to which two bifurcations, or grazes,
-are one: branches leave them along a parabola, so that the motions differ by the root of the parameter's error."""
+"""Largest distances between two bifurcations, or grazes, that are one: of the parameter over its scale, and of the
+motion over its size.  Branches leave a bifurcation along a parabola, so the motions differ by the root of the
+parameter's error."""
 
 
 class Motion:
-    """A motion that may lie on branches.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    plain : mapping
-        The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
-    """
+    """A motion that may lie on branches, from the values that `lapjoint.campaigns.branches.plain.plain_start` gives."""
 
     def __init__(self, spec: BranchSpec, plain: Mapping[str, Any]) -> None:
         self._of, self._plain = range_of(spec), plain
@@ -55,7 +48,8 @@ class Motion:
 
     @cached_property
     def point(self) -> CurvePoint | None:
-        """The motion as a solution, whether or not its contacts fit; None if Newton's method does not find it."""
+        """The motion as a curve point, whether or not its contacts fit; None if Newton's method does not find the
+        motion."""
         start = self.start
         problem = BoundaryProblem(
             self._of.resolution(start.value), start.sequence, start.half_periods, start.phase, start.tied
@@ -70,23 +64,12 @@ class Motion:
     @cached_property
     @in_one_thread
     def is_stable(self) -> bool:
-        """Whether it is stable, as far as is known: whether no multiplier lies outside the unit circle."""
+        """Whether no multiplier is known to lie outside the unit circle."""
         return self.point is None or bool((np.abs(self.point.multipliers) < 1).all())
 
     @in_one_thread
     def lies_on(self, curve: Curve) -> bool:
-        """Whether the motion is one of a branch.
-
-        Parameters
-        ----------
-        curve : Curve
-            The branch.
-
-        Returns
-        -------
-        bool
-            Whether it is, or one of its images by whole periods or mirrored half periods is.
-        """
+        """Whether a branch has the motion, or one of its images by whole periods or mirrored half periods."""
         if curve.half_periods != self._plain["half_periods"]:
             return False
         if self._springs_with(curve):
@@ -102,7 +85,7 @@ class Motion:
         return any(_is_one_of(section, one.sections(), half, _LOCATED[1]) for one in curve.turns_at(point.value))
 
     def _springs_with(self, curve: Curve) -> bool:
-        """Whether both spring from one bifurcation."""
+        """Whether the motion and the branch spring from one bifurcation."""
         if self.start.away_from is None or not curve.springs:
             return False
         value, section = self.start.away_from
@@ -118,7 +101,7 @@ class Motion:
 
 
 def _is_one_of(section: SectionPoint, images: list[SectionPoint], half: HalfPeriods, same: float) -> bool:
-    """Whether a motion is one of some images of another."""
+    """Whether a motion is one of the images of another motion."""
     try:
         mine = half.map.adopted(section)
         return any(half.apart(half.map.adopted(image), mine) <= same for image in images)
@@ -127,15 +110,7 @@ def _is_one_of(section: SectionPoint, images: list[SectionPoint], half: HalfPeri
 
 
 class Curve:
-    """A branch that is known.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    branch : mapping
-        The branch, as `lapjoint.campaigns.branches.solve.solve_branch` gives it.
-    """
+    """A branch that is known, from the values that `lapjoint.campaigns.branches.solve.solve_branch` gives."""
 
     def __init__(self, spec: BranchSpec, branch: Mapping[str, Any]) -> None:
         self._of = range_of(spec)
@@ -149,20 +124,8 @@ class Curve:
         self._turns = {i for i, (_, _, may_turn) in enumerate(self._knots) if may_turn}
 
     def motions_at(self, value: float, events: int) -> Iterator[CurvePoint]:
-        """Its motions at a value of the parameter.
-
-        Parameters
-        ----------
-        value : float
-            The parameter, in its SI unit.
-        events : int
-            Number of events that the motions have.
-
-        Yields
-        ------
-        CurvePoint
-            Of the same motion, perhaps, more than one.
-        """
+        """The motions of the branch at a parameter, in its SI unit, with a number of events; they are solved one by
+        one."""
         first, last = self._values[:-1], self._values[1:]
         resolution = self._of.resolution(value)
         beside = _LOCATED[0] * resolution.scale(value)  # where contacts change both sides differ by what passages lose
@@ -172,18 +135,7 @@ class Curve:
             yield from self._between(i, value, resolution)
 
     def turns_at(self, value: float) -> Iterator[CurvePoint]:
-        """Its motions where contacts change, or the parameter turns, at a value of the parameter, about.
-
-        Parameters
-        ----------
-        value : float
-            The parameter, in its SI unit.
-
-        Yields
-        ------
-        CurvePoint
-            Of the resolution that belongs to the value.
-        """
+        """The motions of the branch near a parameter at which contacts change, or the parameter turns."""
         resolution = self._of.resolution(value)
         near = np.flatnonzero(np.abs(self._values - value) <= _LOCATED[0] * resolution.scale(value))
         for k in sorted(self._turns.intersection(near.tolist())):
@@ -209,7 +161,7 @@ class Curve:
                 yield found
 
     def _shares(self, i: int, value: float) -> list[float]:
-        """Shares of the way from a knot to the next one, at which the parameter has a value."""
+        """Fractions of the way from a knot to the next knot at which the parameter has a value."""
         way = self._values[i + 1] - self._values[i]
         share = min(max(float((value - self._values[i]) / way), 0.0), 1.0) if way else 0.0
         shares = [share]

@@ -1,4 +1,4 @@
-"""Which bifurcations, found at the values of a second number, are one that goes on from value to value: a *locus*.
+"""Which bifurcations, found at the values of a second parameter, are one that goes on from value to value: a *locus*.
 
 Two at neighbouring values are joined if they are alike (their kind, the stop that is grazed, whether it is touched at
 all before, and the period multiple), each is the other's nearest of these by far, and they are near.  Where a locus
@@ -17,12 +17,13 @@ from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 
 _BY_FAR = 2.0
-"""Least ratio of the distances to the second nearest and to the nearest."""
+"""Least ratio of the distances to the second nearest and to the nearest bifurcation for the nearest to count."""
 _NEAR = 0.5
-"""Largest distance: the number, or the impulses, have changed by so much of their size."""
+"""Largest distance at which two bifurcations are joined: the parameter, or the impulses, change by half of their
+size."""
 
 _NO_IMPULSE = 1e-3
-"""Impulse over the largest of all motions, up to which differences do not matter."""
+"""Impulse, over the largest impulse of all motions, below which differences of impulses do not matter."""
 
 
 def loci_of(
@@ -33,27 +34,11 @@ def loci_of(
     impulses: FloatArray,
     largest: float,
 ) -> IndexArray:
-    """The locus of each bifurcation.
+    """The number of each bifurcation's locus, shape (n,), from 0 in the sequence of the bifurcations.
 
-    Parameters
-    ----------
-    values : sequence of float
-        All values of the second number, also those without bifurcations.
-    labels : sequence of hashable, length n
-        What must be the same along a locus; None of what is joined to nothing.
-    second : ndarray, shape (n,)
-        The second number.
-    value : ndarray, shape (n,)
-        The number at which each bifurcation is.
-    impulses : ndarray, shape (n, s)
-        Impulse of each stop there, N s.
-    largest : float
-        The largest impulse of all motions, N s.
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
-        Number of the locus, from 0 in the sequence of the bifurcations.
+    `values` are all values of the second parameter; `labels`, `second` and `value`, of length n, are what must agree
+    along a locus (None: joined to nothing), the second parameter, and the parameter of each bifurcation; `impulses`,
+    shape (n, s), are those of the stops in N s, and `largest` is the largest impulse of all motions.
     """
     where = np.column_stack([value, np.nan_to_num(impulses)])
     least = _NO_IMPULSE * largest
@@ -70,7 +55,7 @@ def loci_of(
 
 
 def _expected(i: int, before: IndexArray, second: FloatArray, where: FloatArray, at: float) -> FloatArray:
-    """Where a bifurcation is looked for at the next value of the second number."""
+    """Where a bifurcation is looked for at the next value of the second parameter."""
     if before[i] < 0:
         return np.asarray(where[i])
     last = int(before[i])

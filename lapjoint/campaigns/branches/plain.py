@@ -1,4 +1,4 @@
-"""Motions of curves as values that JSON can hold, and back with the same bits."""
+"""Motions of curves as values that JSON can hold, and back to the last bit."""
 
 from __future__ import annotations
 
@@ -22,18 +22,7 @@ from lapjoint.problem import FloatArray
 
 
 def plain_start(start: Start) -> dict[str, Any]:
-    """A motion from which a branch is followed, as values that JSON can hold.
-
-    Parameters
-    ----------
-    start : Start
-        The motion.
-
-    Returns
-    -------
-    dict of str to Any
-        The values; Python writes each float with the digits that give it back exactly.
-    """
+    """A motion from which a branch is followed, as values that JSON can hold; floats keep all their bits."""
     away = start.away_from
     return {
         "closed": list(start.sequence.first.closed),
@@ -48,18 +37,7 @@ def plain_start(start: Start) -> dict[str, Any]:
 
 
 def start_of(plain: Mapping[str, Any]) -> Start:
-    """The motion that `plain_start` made values of.
-
-    Parameters
-    ----------
-    plain : mapping
-        The values.
-
-    Returns
-    -------
-    Start
-        The motion, with the same bits.
-    """
+    """The motion whose values `plain_start` gave, to the last bit."""
     away, direction = plain["away_from"], plain["direction"]
     return Start(
         ContactSequence(ContactState(tuple(plain["closed"])), tuple(plain["stops"])),
@@ -73,21 +51,11 @@ def start_of(plain: Mapping[str, Any]) -> Start:
 
 
 def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -> dict[str, Any]:
-    """Points of a curve as values that JSON can hold.
+    """Curve points, each with whether the parameter may turn there, as values that JSON can hold.
 
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    points : sequence of tuple of CurvePoint and bool
-        The points, each with whether the parameter may turn there.
-
-    Returns
-    -------
-    dict of str to list
-        ``equations``, each with the zone, the stops that are closed at the section, those that switch, the phase of
-        the section, and the events that are tied; and ``knots``, each with the number of its equations, the unknowns,
-        and whether the parameter may turn there.
+    ``equations`` holds zone, stops that are closed at the section, stops that switch, phase of the section, and tied
+    events; ``knots`` holds, for each point, the number of its equations, the unknowns, and whether the parameter may
+    turn there.
     """
     zones = [resolution for _, resolution in of.zones]
     numbers, knots = dict[tuple[Any, ...], int](), list[list[Any]]()
@@ -101,58 +69,23 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
 
 
 def problem_of(of: ParameterRange, equations: Sequence[Any], half_periods: int) -> BoundaryProblem:
-    """The equations of a knot of a curve.
-
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    equations : sequence
-        One of ``equations`` as `plain_curve` gives them.
-    half_periods : int
-        Half periods after which the motions repeat.
-
-    Returns
-    -------
-    BoundaryProblem
-        The equations.
-    """
+    """The boundary value problem of one entry of the ``equations`` of `plain_curve`."""
     zone, closed, stops, phase, tied = equations
     sequence = ContactSequence(ContactState(tuple(closed)), tuple(stops))
     return BoundaryProblem(of.zones[zone][1], sequence, half_periods, phase, frozenset(tied))
 
 
 def unknowns_of(knot: Sequence[Any]) -> FloatArray:
-    """The unknowns of a knot of a curve.
-
-    Parameters
-    ----------
-    knot : sequence
-        One of ``knots`` as `plain_curve` gives them.
-
-    Returns
-    -------
-    FloatArray, shape (n + F + 1,)
-        With the same bits.
-    """
+    """The unknowns, shape (n + F + 1,), of one entry of the ``knots`` of `plain_curve`."""
     return np.array(knot[1], dtype=float)
 
 
 def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
-    """A bifurcation or graze as values that JSON can hold.
+    """A bifurcation or graze as values that JSON can hold; None for a graze whose motion with one contact more is not
+    known.
 
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    what : Bifurcation or SequenceChange
-        What was located, at a resolution of the range or one that is finer.
-
-    Returns
-    -------
-    dict of str to Any, or None
-        ``kind``; ``zone`` and ``finer``, the number of the zone and how many times finer its solver is made; and the
-        motion, as `plain_start` gives it.  None of a graze whose motion with a contact more is not known.
+    ``kind`` names it; ``zone`` and ``finer`` say which zone, and which of the zone's resolutions; the motion is added
+    as `plain_start` gives it.
     """
     point = what.point if isinstance(what, Bifurcation) else what.more
     if point is None:
@@ -167,19 +100,10 @@ def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
 
 
 def located_of(of: ParameterRange, plain: Mapping[str, Any]) -> Located | None:
-    """The bifurcation or graze that `plain_located` made values of.
+    """The bifurcation or graze whose values `plain_located` gave; None if Newton's method does not find the motion
+    again.
 
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    plain : mapping
-        The values.
-
-    Returns
-    -------
-    Bifurcation or SequenceChange, or None
-        A graze comes from the side with a contact more; None if Newton's method does not find the motion again.
+    A graze is located from the side with one contact more.
     """
     start = start_of(plain)
     resolution = next(islice(of.zones[plain["zone"]][1].and_finer(), plain["finer"], None), None)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from lapjoint.campaigns.branches.search import Diagram, Part, Search
 
 _AHEAD, _AHEAD_OF_OTHERS = 2, 32
-"""Number of branches for each process, or for workers of an unknown number, that may be under way at each value of a
-second number: the second one for each process waits until that has done the first, and the process never for it."""
+"""Number of branches under way at each value of a second parameter, for each process, and for workers whose number is
+not known: of two branches, one waits in the queue, so that no process waits for work."""
 
 
 def branch(
@@ -85,7 +85,7 @@ def branch(
         Number of points of all branches together, each counted by its period multiple, from which on no further branch
         is followed, at each value of `also_over`; the dataset tells how many motions are left out.
     also_over : Axis, optional
-        A second number, and the values for which all this is done: bifurcations that go on from value to value lie on
+        A second parameter, and the values for which all this is done: bifurcations that go on from value to value lie on
         one locus.
     from_grazes : bool
         Whether motions are looked for beside each graze that have its contact every second period alone, or in one half
@@ -135,40 +135,7 @@ def find_branches(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run a search, and replace what is in `out`.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    workers : int or map-like callable
-        Number of processes, -1 for all processors, or a function like `map`.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers do the work instead.
-    out : str or Path, optional
-        File of the dataset.
-    force : bool
-        Whether the journal of something else may be thrown away.
-    progress : callable, optional
-        Called with the number of parts of the work done, a branch under way as the share that is followed, and the
-        number known of.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-
-    Raises
-    ------
-    InputError
-        If what is asked is not valid, the journal belongs to something else, or another process works on it.
-    OutputError
-        If the disk is full; the message says what is kept.
-    SolverError
-        If the workers are lost; the message says what is kept.
-    Interrupted
-        After Ctrl-C; the message says what is kept.
-    """
+    """Run a search, and replace what is in `out`; arguments and errors are those of `branch`."""
     from lapjoint.campaigns.branches.spec import range_of
     from lapjoint.campaigns.branches.table import branch_dataset
 
@@ -204,7 +171,7 @@ class _Work:
         self._least = (spec.size + 1) * spec.values  # one branch at least is to be expected at each value
 
     def done(self) -> list[Diagram]:
-        """What is found at each value of the second number."""
+        """The result at each value of the second parameter."""
         from lapjoint.campaigns.branches.search import Search
 
         alone = self._workers == 1 and self._scheduler is None

@@ -1,8 +1,8 @@
-"""A search for branches: starts first, then the branches of the motions that they lead to.
+"""A search for branches: starts first, then the branches of the motions that the starts lead to.
 
-Motions are taken in the sequence in which starts and branches give them, and each is left out if it lies on a branch
-taken before.  Workers may follow branches ahead of that sequence; what they find is dropped at its turn if it is known
-by then.  So neither the number of workers nor an interruption changes what is found, or in what sequence.
+Motions wait in the sequence in which starts and branches give them.  At its turn, a motion is dropped if it lies on a
+branch taken before.  Workers may follow branches ahead of their turn; at its turn, a branch is dropped if it is known
+by then.  So neither the number of workers nor an interruption changes the result or its sequence.
 """
 
 from __future__ import annotations
@@ -19,23 +19,24 @@ from lapjoint.campaigns.branches.unknown import Reached, reached
 from lapjoint.solver import Progress
 
 _LOOKED_AHEAD = 32
-"""Number of motions among which the one is chosen that is followed next ahead of its turn."""
+"""Number of waiting motions among which the next branch to be followed ahead of its turn is chosen."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the work, that one process does."""
+    """A part of a search that one process does: a start, or the branch of a motion."""
 
     value: int
     """Number of the value of the second parameter."""
     number: int
-    """Number of the start, or of the motion among all that are found at this value."""
+    """Number of the start, or of the motion among all motions found at this value."""
     start: Mapping[str, Any] | None = None
-    """The motion whose branch is followed, as `lapjoint.campaigns.branches.plain.plain_start` gives it; or None."""
+    """The motion whose branch is followed, as `lapjoint.campaigns.branches.plain.plain_start` gives it; None for a
+    start."""
 
     @cached_property
     def name(self) -> str:
-        """What the journal calls it."""
+        """The name of the part in the journal."""
         own = f"{'start' if self.start is None else 'branch'} {self.number}"
         return f"value {self.value}: {own}" if self.value else own
 
@@ -45,19 +46,9 @@ class Part:
         return self.start is None and self.number >= 2
 
     def solved(self, spec: BranchSpec, progress: Progress | None = None) -> dict[str, Any]:
-        """What it comes to.
+        """The result of the part, as `solve_start` or `solve_branch` gives it.
 
-        Parameters
-        ----------
-        spec : BranchSpec
-            What is asked, at all values.
-        progress : callable, optional
-            Called with the share of a branch that is followed, and with one.
-
-        Returns
-        -------
-        dict of str to Any
-            As `solve_start` or `solve_branch` gives it.
+        `progress` is called with the share of a branch that is followed, and with one.
         """
         own = spec.at(self.value)
         if self.start is None:
@@ -67,49 +58,39 @@ class Part:
 
 @dataclass(frozen=True)
 class Diagram:
-    """All that a search has found at one value of the second parameter."""
+    """The result of a search at one value of the second parameter."""
 
     branches: Sequence[dict[str, Any]]
     """The branches, as `lapjoint.campaigns.branches.solve.solve_branch` gives them, in sequence."""
     failures: Sequence[str] = ()
-    """Why starts, or motions that were found, or branches that spring from others, could not be followed."""
+    """Why a start, a motion that was found, or a branch that springs from another could not be followed."""
     left_out: int = 0
-    """Number of motions whose branches were not followed, as the effort was spent."""
+    """Number of motions whose branches were not followed because the effort was spent."""
     reached: Reached = field(default_factory=Reached)
     """What the random starts led to."""
 
 
 @dataclass(frozen=True)
 class _Waiting:
-    """A motion whose branch may be followed."""
+    """A motion whose branch waits to be followed."""
 
     part: Part
-    """The part of the work that follows it."""
+    """The part that follows the branch."""
     motion: Motion = field(compare=False)
     """The motion."""
     source: Part
-    """The start that leads to it, or the part whose branch it was found on."""
+    """The start that leads to the motion, or the part on whose branch the motion was found."""
 
     @property
     def kin(self) -> tuple[int, int]:
-        """What motions of one branch often have in common: where they come from, and their half periods."""
+        """Source and half periods of the motion, which motions of one branch often have in common."""
         assert self.part.start is not None
         mother = -1 if self.source.start is None else self.source.number
         return mother, int(self.part.start["half_periods"])
 
 
 class Search:
-    """The search at one value of the second parameter.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked, at all values.
-    value : int
-        Number of the value.
-    ahead : int
-        Number of branches that may be under way, be it that some of them wait for a worker.
-    """
+    """The search at one value of the second parameter; `ahead` branches may be under way or wait for a worker."""
 
     def __init__(self, spec: BranchSpec, value: int, ahead: int) -> None:
         self._spec, self._value, self._ahead = spec.at(value), value, ahead
@@ -141,17 +122,10 @@ class Search:
         return Diagram(list(self._taken.values()), self._failures, count, _reached([*self._passed, *left_out]))
 
     def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
-        """Take what has been found, and give what can be done next.
+        """Take results of parts, by their names, and return the parts that can be done next and were not returned
+        before.
 
-        Parameters
-        ----------
-        found : mapping of str to dict
-            What parts have come to, by their names; also of those that were done by an earlier run.
-
-        Returns
-        -------
-        list of Part
-            Parts that have not been given before; none of them is among `found`.
+        Results may come from an earlier run.
         """
         while self._starts and self._starts[0].name in found:
             self._take_start(self._starts.pop(0), found)
@@ -178,10 +152,10 @@ class Search:
         return new
 
     def _chosen(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
-        """Branches to be followed next: the one whose turn has come, then others ahead of their turn.
+        """The branches to be followed next: the branch whose turn has come, then branches ahead of their turn.
 
-        Where one process alone works, nothing is ahead.  A motion that may lie on a branch under way waits for it while
-        there are others.
+        With one process nothing is followed ahead.  A motion that may lie on a branch under way waits for that branch
+        while other motions are left.
         """
         if not self._waiting:
             return []
@@ -209,7 +183,7 @@ class Search:
         self._wait_for(one["starts"], part)
 
     def _take_branch(self, waiting: _Waiting, one: dict[str, Any]) -> str | None:
-        """Take the branch whose turn has come, and give its name; None if it could not be followed."""
+        """Take the branch whose turn has come, and return its name; None if the branch could not be followed."""
         if one.get("message"):
             self._fail(f"a motion {self._where(waiting.motion.start.value)}: {one['message']}")
             return None
@@ -228,7 +202,7 @@ class Search:
             self._number += 1
 
     def _branch_of(self, waiting: _Waiting, branches: Mapping[str, dict[str, Any]]) -> str | None:
-        """The one among some branches that a motion lies on, by the name of its part; None if it lies on none."""
+        """The name of the branch on which a motion lies; None if it lies on none."""
         followed = (name for name, one in branches.items() if not one.get("message"))
         return next((name for name in followed if self._lies_on(waiting, name, branches[name])), None)
 
@@ -242,7 +216,7 @@ class Search:
 
     @property
     def _is_spent(self) -> bool:
-        """Whether the branches have as many points as are allowed, each counted by its period multiple."""
+        """Whether the branches have all the points that the effort allows, each counted by its period multiple."""
         return self._points >= self._spec.effort
 
     def _where(self, value: float) -> str:
@@ -255,7 +229,7 @@ class Search:
 
 
 def _reached(motions: Sequence[tuple[_Waiting, str | None]]) -> Reached:
-    """What random starts led to, of motions each with the branch that it lies on."""
+    """The counts of what random starts led to, from motions with the branches on which they lie."""
     stable, others, leads, known = list[str | None](), list[str | None](), dict[str, set[str]](), set[str]()
     for one, branch in motions:
         if one.source.is_random:

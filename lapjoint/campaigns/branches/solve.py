@@ -27,24 +27,14 @@ from lapjoint.orbits.steady_state import mirrors_itself
 from lapjoint.solver import Solver
 
 _A_FEW = 3
-"""Number of points that tell whether all is compiled that a branch takes."""
+"""Number of points after which all that a branch takes is compiled."""
 
 
 @in_one_thread
 def solve_start(spec: BranchSpec, number: int) -> dict[str, Any]:
-    """The motion that a start leads to and, at an end of the range, that without contact.
+    """The motion to which a start leads, as ``starts``; at an end of the range, the motion without contact, too.
 
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    number : int
-        Number of the start: 0 and 1 are the ends of the range, others are random.
-
-    Returns
-    -------
-    dict of str to Any
-        ``starts``, as `lapjoint.campaigns.branches.plain.plain_start` gives each.
+    Starts 0 and 1 are the ends of the range, further starts are random.
     """
     of, value = range_of(spec), spec.value_of(number)
     problem, solver = spec.problem_at(value), of.resolution(value).solver
@@ -60,24 +50,13 @@ def solve_start(spec: BranchSpec, number: int) -> dict[str, Any]:
 def solve_branch(
     spec: BranchSpec, plain: Mapping[str, Any], progress: Callable[[float], None] | None = None
 ) -> dict[str, Any]:
-    """The branch of a motion.
+    """The branch of a motion, as values that JSON can hold.
 
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    plain : mapping
-        The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
-    progress : callable, optional
-        Called with the share of the range, or of the points allowed, that is behind.
-
-    Returns
-    -------
-    dict of str to Any
-        ``half_periods``; ``values`` and ``points`` of its motions; ``bifurcations``; ``ends``; ``starts`` of other
-        branches; ``springs``, where it springs from others; ``unsprung``, kind and parameter of each bifurcation from
-        which a branch springs that was not found; ``equations`` and ``knots``, by which a motion of it is known again.
-        Without points if there is none; then ``message`` says why.
+    ``half_periods``; ``values`` and ``points`` of its motions; ``bifurcations``; ``ends``; ``starts`` of other
+    branches; ``springs``, where the branch springs from others; ``unsprung``, kind and parameter of each bifurcation
+    whose springing branch was not found; ``equations`` and ``knots``, by which a motion of the branch is known again.
+    Without points, a ``message`` says why.  `progress` is called with the share of the range, or of the points allowed,
+    that is done.
     """
     of = range_of(spec)
     try:
@@ -92,15 +71,7 @@ def solve_branch(
 
 
 def follow_a_little(spec: BranchSpec, plain: Mapping[str, Any]) -> None:
-    """Follow the branch of a motion for a few points, so that all that this takes is compiled and stored.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked.
-    plain : mapping
-        The motion, as `lapjoint.campaigns.branches.plain.plain_start` gives it.
-    """
+    """Follow the branch of a motion for a few points, so that all that a branch takes is compiled and cached."""
     with suppress(SolverError):
         in_one_thread(trace)(range_of(spec), start_of(plain), 1, Limits(_A_FEW))
 
@@ -130,22 +101,9 @@ def _point(point: CurvePoint) -> Point:
 
 
 def steady_state(point: CurvePoint) -> SteadyState:
-    """A motion of a curve with the contacts that the solver's own march gives it.
+    """The motion of a curve point with the contacts of the solver's own march; `SolverError` if the march stops.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-
-    Returns
-    -------
-    SteadyState
-        Its multipliers, and its residual, are those of the arcs.
-
-    Raises
-    ------
-    SolverError
-        If the march stops.
+    Multipliers and residual are those of the arcs.
     """
     period_map, section = point.problem.resolution.map(point.value), point.section()
     multiple, is_odd = _multiple(point), point.problem.half_periods % 2 == 1
@@ -170,7 +128,8 @@ def steady_state(point: CurvePoint) -> SteadyState:
 
 
 def _multiple(point: CurvePoint) -> int:
-    """Excitation periods after which a motion repeats; one of an odd number of half periods is mirrored after these."""
+    """Excitation periods after which a motion repeats; a motion of an odd number of half periods is mirrored after half
+    of them."""
     half_periods = point.problem.half_periods
     return half_periods if half_periods % 2 else half_periods // 2
 

@@ -1,4 +1,4 @@
-"""What is asked of a search for branches: the problem, the number that changes, the solver, and the starts."""
+"""The question of a search for branches: the problem, the parameter that changes, the solver, and the starts."""
 
 from __future__ import annotations
 
@@ -24,60 +24,28 @@ MAX_POINTS = 5000
 MOST_POINTS = 1_000_000
 """Largest number of points of a branch that may be asked for."""
 EFFORT = 100_000
-"""Default of the number of points of all branches together, each counted by its period multiple, from which on no
-further branch is followed: a quarter to half an hour of work in one process.  The paper's joint with a damping ratio of
-0.02 needs some 60 000 from 100 rad/s on, with four periods."""
+"""Default of the number of points of all branches together, each counted by its period multiple, after which no further
+branch is followed: a quarter to half an hour of work in one process.  The paper's joint with a damping ratio of 0.02
+needs some 60 000 points from 100 rad/s on, with four periods."""
 MOST_MULTIPLE = 64
 """Largest period multiple of branches."""
 _PARTS = 3
-"""Number of the form in which a journal keeps the parts of the work: another one is not gone on with."""
+"""Number of the form in which a journal keeps parts; a journal of another form is not resumed."""
 _KEPT = 8
-"""Number of searches whose period maps are kept: values of a second number are searched at the same time."""
+"""Number of searches whose period maps are cached: values of a second parameter are searched at the same time."""
 
 
 @dataclass(frozen=True)
 class BranchSpec:
-    """Everything that branches depend on.
+    """Everything on which branches depend; the fields are the arguments of `lapjoint.branch`.
 
-    Parameters
-    ----------
-    problem : Problem
-        The problem that has all that the number does not change.
-    path : str
-        Path of the number, as `lapjoint.Axis` takes it.
-    first, last : float
-        The range of the number, in its SI unit, in either direction.
-    solver : str
-        Entry-point name of the solver.
-    options : mapping
-        Numerical options of the solver.
-    max_period_multiple : int
-        Largest period multiple of branches.
-    starts : int
-        Number of random starts; the problem's own initial state and the motion without contact at both ends of the
-        range are always among them.
-    seed : int
-        Seed of the random starts.
-    errors : bool
-        Whether to estimate the errors of the bifurcations.
-    max_points : int
-        Largest number of points of a branch.
-    effort : int
-        Number of points of all branches together, each counted by its period multiple, from which on no further branch
-        is followed; with a second number, at each of its values.
-    also_over : Axis, optional
-        A second number, and the values for which all this is done; without it, all is done once.
-    from_grazes : bool
-        Whether motions are looked for beside each graze that have its contact every second period alone.
-
-    Raises
-    ------
-    InputError
-        If a parameter is not allowed.
+    `first` and `last` are the ends of the range; the starts at the ends, from the initial state and without contact,
+    are always among the starts; `effort` holds at each value of a second parameter, `also_over`.  `InputError` is
+    raised if a value is not allowed.
     """
 
     noun: ClassVar[str] = "search for branches"
-    """What it is called in messages."""
+    """What the search is called in messages."""
     cells_noun: ClassVar[str] = "parts"
     problem: Problem
     path: str
@@ -112,7 +80,7 @@ class BranchSpec:
 
     @cached_property
     def axis(self) -> Axis:
-        """The number, and the ends of its range, ascending."""
+        """The parameter, and the ends of its range, ascending."""
         return Axis(self.path, tuple(sorted((float(self.first), float(self.last)))))
 
     @cached_property
@@ -122,27 +90,12 @@ class BranchSpec:
 
     @property
     def values(self) -> int:
-        """Number of values of the second number; 1 without it."""
+        """Number of values of the second parameter; 1 without one."""
         return 1 if self.also_over is None else len(self.also_over.values)
 
     def at(self, value: int) -> BranchSpec:
-        """What is asked at one value of the second number.
-
-        Parameters
-        ----------
-        value : int
-            Number of the value.
-
-        Returns
-        -------
-        BranchSpec
-            Of the problem with that value; this one where there is no second number.
-
-        Raises
-        ------
-        InputError
-            If there is no such problem; the message names the value.
-        """
+        """The question at one value of the second parameter, by its number; `InputError` if there is no such
+        problem."""
         if self.also_over is None:
             return self
         return replace(self, problem=Grid(self.problem, (self.also_over,)).problem_at(value), also_over=None)
@@ -153,51 +106,19 @@ class BranchSpec:
         return self.starts + 2
 
     def problem_at(self, value: float) -> Problem:
-        """The problem with a value of the number.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        Problem
-            The problem.
-        """
+        """The problem with a value of the parameter, in its SI unit."""
         return self.grid.with_values((value,))
 
     def value_of(self, start: int) -> float:
-        """The value of the number at a start: the ends of the range first, then random ones, evenly spread.
-
-        Parameters
-        ----------
-        start : int
-            Number of the start.
-
-        Returns
-        -------
-        float
-            In the SI unit of the number.
-        """
+        """The parameter at a start, in its SI unit: first the ends of the range, then random values, evenly spread."""
         if start < 2:
             return float((self.first, self.last)[start])
         low, high = self.axis.values
         return float(np.random.default_rng((self.seed, start)).uniform(low, high))
 
     def check(self) -> Solver:
-        """Check everything that can be checked before any work, and make the solver.
-
-        Returns
-        -------
-        Solver
-            The solver, with its options.
-
-        Raises
-        ------
-        InputError
-            If the solver does not take its options, or there is no valid problem at an end of the range.
-        """
+        """Check everything that can be checked before any work, and make the solver with its options; `InputError` if
+        not."""
         solver = make_solver(self.solver, **self.options)
         axes = (self.axis,) if self.also_over is None else (self.also_over, self.axis)
         Grid(self.problem, axes).check()
@@ -245,22 +166,9 @@ class _Key:
 
 
 def range_of(spec: BranchSpec) -> ParameterRange:
-    """The range of the parameter with its period maps.
+    """The range of the parameter, at one value of a second parameter, with its period maps; made once in each process.
 
-    Parameters
-    ----------
-    spec : BranchSpec
-        What is asked, at one value of a second number.
-
-    Returns
-    -------
-    ParameterRange
-        Made once in each process.
-
-    Raises
-    ------
-    InputError
-        If the solver has no arcs, or there is no valid problem at an end of the range.
+    `InputError` is raised if the solver has no arcs, or there is no valid problem at an end of the range.
     """
     return _range(_Key(spec))
 

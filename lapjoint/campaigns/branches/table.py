@@ -29,30 +29,20 @@ KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
 _YES_NO = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
 _BESIDE = 2
-"""Number of points on either side of a graze, of which one is just before it and one just behind."""
+"""Number of points on either side of a graze that are looked at: one lies just before the graze, and one just
+beyond."""
 _AT = 1e-9
-"""Distance of two values of the parameter, over the range, up to which they are one: motions are solved to 1e-9."""
+"""Largest distance of two values of the parameter, over the range, that are one: motions are solved to 1e-9."""
 _NO_IMPULSE = 1e-3
-"""Largest impulse at a first graze, over the largest of the branch: just behind it, contacts have begun."""
+"""Largest impulse at a first graze, over the largest impulse of the branch: just beyond the graze, contacts have
+begun."""
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-"""Dimensions, values and attributes, as xarray takes them."""
+"""Dimensions, values and attributes of a variable, as xarray takes them."""
 
 
 def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
-    """The dataset of branches.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What was looked for.
-    diagrams : sequence of Diagram
-        What was found at each value of the second number; one where there is none.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-    """
+    """The dataset of branches, from the results at each value of the second parameter, or from one result without
+    it."""
     import xarray as xr
 
     stops = spec.problem.stops
@@ -77,23 +67,9 @@ def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
 
 
 def read_branches(path: str | Path) -> xr.Dataset:
-    """Read a dataset of branches from a NetCDF file into memory.
+    """A dataset of branches, read into memory from a NetCDF file.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, it holds no branches, it is damaged, or an older or newer version of lapjoint wrote
-        it in another format.
+    `InputError` is raised if there is no such file, it holds no branches, it is damaged, or has another format version.
     """
     return read_result(path, BranchSpec.noun)
 
@@ -215,18 +191,7 @@ def _bifurcations(spec: BranchSpec, branches: Sequence[dict[str, Any]]) -> dict[
 
 
 def meanings_of(names: Sequence[str]) -> dict[str, Any]:
-    """What the codes of a variable mean, as its attributes say it.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The names, in the sequence of their codes from 0.
-
-    Returns
-    -------
-    dict
-        ``flag_values`` and ``flag_meanings``.
-    """
+    """The attributes ``flag_values`` and ``flag_meanings`` for codes from 0."""
     values = np.arange(len(names), dtype="i1")
     return {"flag_values": values, "flag_meanings": " ".join(name.replace(" ", "_") for name in names)}
 
@@ -258,7 +223,7 @@ def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
 
 
 def _not_followed(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
-    """What was found, but not followed."""
+    """What the search found and did not follow."""
     dimensions = () if spec.also_over is None else (spec.also_over.name,)
     left = np.array([diagram.left_out for diagram in diagrams], dtype="i4")
     text = "number of motions whose branches were not followed, as the effort was spent"
@@ -304,7 +269,7 @@ def _not_covered(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Var
 
 
 def _unknown(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
-    """What the random starts led to, and how likely it is that another one leads to an unknown branch."""
+    """What the random starts led to, and the probability that another start leads to an unknown branch."""
     if not spec.starts:
         return {}
     dimensions, rows = () if spec.also_over is None else (spec.also_over.name,), [one.reached for one in diagrams]
@@ -337,12 +302,12 @@ def _unknown(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variabl
 
 
 def _second_axis(axis: Axis) -> dict[str, Variable]:
-    """The values of the second number, as a coordinate."""
+    """The values of the second parameter, as a coordinate."""
     return {axis.name: ((axis.name,), np.array(axis.values), {**_at_value(axis), "path": axis.path})}
 
 
 def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variable]) -> dict[str, Variable]:
-    """At which value of the second number each branch and each bifurcation is, and on which locus the latter lies."""
+    """At which value of the second parameter each branch and each bifurcation is, and on which locus the latter lies."""
     at = np.repeat(np.array(axis.values), [len(diagram.branches) for diagram in diagrams])
     owner, point = known["bifurcation_branch"][1], known["bifurcation_point"][1]
     multiple = known["period_multiple"][1]

@@ -1,4 +1,4 @@
-"""How a bifurcation is confirmed: found again by the first solver, and looked for by the other one."""
+"""How a bifurcation is confirmed: the first solver finds it again, and the other solver looks for it."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ class Confirmed:
     """What the other solver has for a bifurcation."""
 
     value: float = np.nan
-    """The number, in its SI unit; NaN where it does not find it."""
+    """The parameter by the other solver, in its SI unit; NaN where the other solver does not find the bifurcation."""
     error: float = np.nan
-    """Its error, in the same unit; infinite where none can be stated, NaN where it does not find it."""
+    """Its error, in that unit; infinite where none can be stated, NaN where the bifurcation is not found."""
     verdict: Verdict = "not found"
     """Whether both agree."""
     message: str = ""
-    """Why there is none."""
+    """Why the bifurcation is not found."""
 
 
 def solve_bifurcation(spec: ConfirmSpec, cell: int) -> Confirmed:
-    """What the other solver has for a bifurcation."""
+    """The result of the other solver for one bifurcation, by its number."""
     row = spec.rows[cell]
     if not row.arcs:
         return Confirmed(message="the file has no motion of it")

@@ -1,4 +1,4 @@
-"""What is asked of a confirmation: the bifurcations of a file of branches, and the solver that looks for each."""
+"""The question of a confirmation: the bifurcations of a file of branches, and the solver that looks for each."""
 
 from __future__ import annotations
 
@@ -32,15 +32,16 @@ class Row:
     kind: str
     """What it is."""
     value: float
-    """The number of the problem there, in its SI unit."""
+    """The parameter at the bifurcation, in its SI unit."""
     error: float
     """Its error, in the same unit."""
     stop: int
     """The stop that is grazed."""
     arcs: str
-    """The motion there as JSON, as `lapjoint.campaigns.branches.plain.plain_located` has it; or empty."""
+    """The motion at the bifurcation as JSON, as `lapjoint.campaigns.branches.plain.plain_located` gives it; or
+    empty."""
     also: int
-    """Number of the value of a second number; 0 without one."""
+    """Number of the value of a second parameter; 0 without one."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class ConfirmSpec:
     cells_noun: ClassVar[str] = "bifurcations"
 
     branches: BranchSpec
-    """What was asked of the search for branches."""
+    """The question of the search for branches."""
     rows: tuple[Row, ...] = field(repr=False)
     """The bifurcations that are looked for."""
     solver: str = "fe"
@@ -61,7 +62,7 @@ class ConfirmSpec:
 
     @cached_property
     def other(self) -> BranchSpec:
-        """What the file would be the result of, had the other solver followed the branches."""
+        """The question of the search, asked of the other solver."""
         return replace(self.branches, solver=self.solver, options=self.options)
 
     @property

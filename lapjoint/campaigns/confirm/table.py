@@ -22,20 +22,7 @@ VERDICTS = get_args(Verdict)
 
 
 def confirm_dataset(spec: ConfirmSpec, answers: Sequence[Confirmed]) -> xr.Dataset:
-    """The dataset of a confirmation.
-
-    Parameters
-    ----------
-    spec : ConfirmSpec
-        What was looked for.
-    answers : sequence of Confirmed
-        What was found for each of its bifurcations.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-    """
+    """The dataset of a confirmation, from the result for each of its bifurcations."""
     import xarray as xr
 
     rows, units = spec.rows, spec.branches.axis.units

@@ -1,8 +1,8 @@
-"""Motions that repeat in half of their time, and those that spring from them: flips and broken symmetries.
+"""Motions that repeat in half of their time, and motions that spring from them: at flips and broken symmetries.
 
-A motion of twice as many half periods springs where a multiplier passes -1.  The motion differs from the one that it
-springs from by the multiplier's vector in its first half, and by the opposite in its second.  Where the branch of the
-new motion meets that of the old one again, this difference passes zero.
+A motion of twice as many half periods springs where a multiplier passes -1.  In its first half it differs from the
+motion at the flip by the multiplier's vector, in its second half by the opposite.  Where both branches meet again, this
+difference passes zero.
 """
 
 from __future__ import annotations
@@ -21,24 +21,16 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = tuple(1e-2 * 0.5**k for k in range(14))
-"""Arclengths from a bifurcation at which a motion of the branch that springs there is looked for, in turn, each half of
-the one before.  The first leads to one unless the branch is narrower, or grazes a stop before that; beside a graze,
-rounding decides whether Newton's method comes to one that is much nearer.  Each is tried to either side: motions on
-both are images of each other, but for what passages lose."""
+"""Arclengths from a bifurcation at which a motion of the springing branch is looked for, in turn, each half of the
+length before.  The first finds a motion unless the branch is narrower, or grazes a stop before; beside a graze,
+rounding decides whether Newton's method finds a motion much nearer.  Each length is tried to either side: motions on
+both sides are images of each other, but for what passages lose."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
-    """A motion of the branch that springs from a motion with a multiplier of -1.
+    """A motion of the branch that springs where a motion has a multiplier of -1; None if Newton's method finds none.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion at the bifurcation.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent leads away from the bifurcation; None if Newton's method finds none whose contacts are the same.
+    The tangent of the new point leads away from the bifurcation.
     """
     problem, u, way = _doubled(point)
     scale = scale_of(problem, u)
@@ -55,7 +47,7 @@ def springing(point: CurvePoint) -> CurvePoint | None:
 
 
 def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
-    """The same motion twice, and the direction in which one of twice the length differs from it."""
+    """The motion of a point taken twice, and the direction in which a motion of twice the length differs from it."""
     problem, n, M = point.problem, point.coordinates, point.problem.events
     twins = mirror_twins(problem.arcs(point.u).problem) if problem.half_periods % 2 else None
     stops = problem.sequence.stops
@@ -115,17 +107,9 @@ def beside_graze(change: SequenceChange) -> CurvePoint | None:
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:
-    """By how much a motion misses to repeat in half of its time, in scaled coordinates of the section.
+    """How much a motion misses to repeat in half of its time, in scaled coordinates of the section, shape (n,).
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-
-    Returns
-    -------
-    FloatArray, shape (n,), or None
-        None if the contact sequences of both halves differ, or half the time is no period of the problem.
+    None if the contact sequences of both halves differ, or half of the time is no period of the problem.
     """
     problem, M = point.problem, point.problem.events
     half, odd = problem.half_periods // 2, problem.half_periods % 2
@@ -145,49 +129,30 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
 
 
 def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
-    """Whether the difference of both halves passes zero between two motions of a curve.
-
-    Parameters
-    ----------
-    here, new : CurvePoint
-        The motions.
-
-    Returns
-    -------
-    bool
-        Whether their curve meets that of motions which repeat in half of the time.
-    """
+    """Whether the difference of both halves passes zero between two points of a curve: there motions of half the time
+    branch."""
     first, last = half_difference(here), half_difference(new)
     return first is not None and last is not None and float(first @ last) < 0
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Where a branch meets that of motions which repeat in half of the time."""
+    """Where a branch meets the branch of motions that repeat in half of the time."""
 
     point: CurvePoint
-    """The motion, as one of the branch that ends there."""
+    """The motion where they meet, as one of the branch that ends there."""
     mother: CurvePoint
-    """The same motion, as one that repeats in half of the time: its multiplier -1 makes the branch spring."""
+    """That motion as one that repeats in half of the time: at its multiplier -1 the branch springs."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where a motion comes to repeat in half of its time: in a step, or beyond one that ends near such motions.
+    """Where a branch comes to motions that repeat in half of the time, in a step or just beyond it; None if it does
+    not.
 
-    There the equations of the branch are singular, and those of the other branch, which flips there, are not.  What
-    passages from one contact state to the next lose of a motion joins both branches beside that point, so that a curve
-    in small steps never comes there: so the point is looked for once the halves differ by as little as they do where a
-    branch that springs is looked for.
-
-    Parameters
-    ----------
-    stretch : Stretch
-        The step.
-
-    Returns
-    -------
-    Meeting, or None
-        None if it does not.
+    There the equations of the branch are singular, and the equations of the other branch, which flips, are regular.
+    What passages lose of a motion joins both branches beside that point, so that a curve in small steps never comes
+    there. Therefore the point is looked for as soon as the halves differ as little as where a springing branch is
+    looked for.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
     if first is None or last is None or float(first @ last) >= float(first @ first):
@@ -212,19 +177,10 @@ def meeting(stretch: Stretch) -> Meeting | None:
 
 
 def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
-    """A motion that repeats in half of its time, or one beside it at a graze, as one of that time.
+    """A motion that repeats in half of its time, as a point of that time; None if its halves differ by more than
+    `same`.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-    same : float
-        Distance of both halves over the size of the motion up to which they are one.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Beside the graze, where that leaves room; None if the halves of the motion differ.
+    Of a motion that grazes, a point beside the graze is given, where there is room.
     """
     missed = half_difference(point)
     if missed is None or float(np.linalg.norm(missed)) > same:
@@ -237,7 +193,7 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
-    """A motion that repeats in half of its time, over that time."""
+    """The unknowns of a motion that repeats in half of its time, over that time."""
     M, n = problem.events, problem.coordinates(u)
     sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
     tied = frozenset(k for k in problem.tied if k < M // 2)
@@ -246,7 +202,7 @@ def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, F
 
 
 def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
-    """The nearest flip of a curve on either side of a point, at most some arclength away."""
+    """The nearest flip of a curve on either side of a point, at most an arclength away."""
     length = _AWAY[-1]
     while length <= most:
         ends = [beside(point, way) for way in (-length, length)]

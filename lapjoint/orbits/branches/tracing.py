@@ -1,4 +1,5 @@
-"""A whole branch from one of its motions: followed both ways, with its bifurcations, and what springs from them."""
+"""A whole branch from one of its motions: followed both ways, with its bifurcations and the branches that spring
+there."""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ class Limits:
     max_points: float = np.inf
     """Largest number of its points."""
     progress: Callable[[float], None] | None = None
-    """Called with the share of the range, or of the points, that is behind."""
+    """Called with the share of the range, or of the points, that is done."""
     from_grazes: bool = False
     """Whether motions of twice the length are looked for beside its grazes."""
 
@@ -40,11 +41,11 @@ class Found:
     """A bifurcation, or a graze, of a curve."""
 
     what: Bifurcation | SequenceChange
-    """What was located."""
+    """The bifurcation or the change of the contact sequence that was located."""
     index: int
     """Number of points of the curve before it."""
     after: str = ""
-    """What the curve does at a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
+    """What the curve does beyond a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
 
 
 @dataclass
@@ -56,9 +57,9 @@ class Way:
     found: list[Found] = field(default_factory=list)
     """Its bifurcations and grazes, in sequence."""
     end: str = ""
-    """Why it ends."""
+    """Why the curve ends."""
     mother: Start | None = None
-    """The motion over half of the time where it ends as ``bifurcation``."""
+    """Where the curve ends as ``bifurcation``: its motion as one that repeats in half of the time."""
 
     @property
     def ends_at_graze(self) -> bool:
@@ -66,13 +67,7 @@ class Way:
         return bool(self.found) and self.found[-1].after == "ends"
 
     def turned(self) -> Way:
-        """The same curve in the opposite direction.
-
-        Returns
-        -------
-        Way
-            Its grazes and bifurcations have the indices that belong to the opposite sequence.
-        """
+        """The curve in the opposite direction; indices of bifurcations belong to the opposite sequence."""
         count = len(self.points)
         found = [replace(one, index=count - one.index) for one in reversed(self.found)]
         return Way([point.turned() for point in reversed(self.points)], found, self.end, self.mother)
@@ -87,33 +82,19 @@ class Traced:
     found: list[Found]
     """Its bifurcations and grazes, in sequence."""
     ends: tuple[str, str]
-    """Why it ends at its first and its last point."""
+    """Why the branch ends at its first and its last point."""
     starts: list[Start] = field(repr=False)
-    """A motion of each branch that springs from it, or that it springs from."""
+    """A motion of each branch that springs from this branch, and of the branch from which this branch springs."""
     springs: list[tuple[float, SectionPoint]] = field(repr=False)
-    """Where it springs from other branches, at either end: the parameter, and the motion."""
+    """Where the branch springs from other branches, at either end: the parameter, and the motion."""
     unsprung: list[Bifurcation] = field(repr=False)
-    """Its bifurcations from which a branch springs of which no motion was found."""
+    """Bifurcations at which a branch springs, though no motion of that branch was found."""
 
 
 def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits | None = None) -> Traced | None:
-    """The branch of a motion.
+    """The branch of a motion; None if Newton's method does not find the motion again.
 
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    start : Start
-        The motion.
-    most_multiple : int
-        Largest period multiple of branches that spring from this one.
-    limits : Limits, optional
-        How far it is followed.
-
-    Returns
-    -------
-    Traced, or None
-        None if Newton's method does not find the motion again.
+    `most_multiple` is the largest period multiple of the branches that spring from it.
     """
     limits = limits or Limits()
     first = start.solved(of)
@@ -159,22 +140,7 @@ def _sprung(
 
 
 def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
-    """Follow a curve in the direction of a point's tangent, until it ends.
-
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    start : CurvePoint
-        The first point.
-    limits : Limits
-        How far it is followed.
-
-    Returns
-    -------
-    Way
-        The curve.
-    """
+    """A curve followed from a point in the direction of its tangent."""
     way, change, steps, seen = Way([start]), list[SequenceChange](), 0, list[SequenceChange]()
     for step in _through_zones(of, start):
         if isinstance(step, End):
@@ -227,7 +193,8 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 
 def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
-    """Whether a bifurcation is nearer to a graze than both sides of the graze are apart, by what passages lose."""
+    """Whether a bifurcation is nearer to a graze than the distance between both sides of the graze, which passages
+    lose."""
     grazes = [other.what for other in neighbours if isinstance(other.what, SequenceChange)]
     what = one.what
     if not isinstance(what, Bifurcation):
@@ -236,7 +203,8 @@ def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
 
 
 def _is_same_change(one: SequenceChange, other: SequenceChange) -> bool:
-    """Whether a curve has come to a change of its contact sequence again, in either direction: it goes over itself."""
+    """Whether a curve comes to a change of its contact sequence again, in either direction: the curve repeats
+    itself."""
     if one.after is None or other.after is None or one.stops != other.stops:
         return False
     tolerance = one.before.problem.resolution.options.newton_tolerance
@@ -252,18 +220,18 @@ def _is_at_change(point: CurvePoint) -> bool:
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
-    """Whether a bifurcation is where a branch meets another, which both have."""
+    """Whether a bifurcation lies where two branches meet, so that both branches have it."""
     return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
 
 
 def _after(change: SequenceChange, next_: CurvePoint) -> str:
-    """What a curve does at a graze: whether the parameter goes on in the direction in which it came."""
+    """What a curve does at a graze: whether the parameter goes on in its direction."""
     came, goes = float(change.before.tangent[-1]), next_.value - change.value
     return "persists" if came * goes > 0 else "folds"
 
 
 def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve; where it comes to another zone, it goes on with the resolution of that zone."""
+    """Follow a curve; in another zone, the curve goes on with the resolution of that zone."""
     here: CurvePoint | None = start
     while here is not None:
         steps, here = follow(here), None
@@ -280,20 +248,8 @@ def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
 
 
 def at_resolution(point: CurvePoint, resolution: Resolution) -> CurvePoint | None:
-    """A motion by another resolution of its solver.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-    resolution : Resolution
-        The other one.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes in the same direction; None if the other one does not have the motion.
-    """
+    """A motion at another resolution of its solver, its tangent in the same direction; None if it has no such
+    motion."""
     try:
         guess = carried(point, resolution)
         other = None if guess is None else nearest(*guess)
@@ -307,7 +263,7 @@ def at_resolution(point: CurvePoint, resolution: Resolution) -> CurvePoint | Non
 
 
 def _closes(step: Stretch, start: CurvePoint) -> bool:
-    """Whether a step leads through the motion that a curve was started from, or its image some periods later."""
+    """Whether a step passes the motion from which the curve started, or its image some periods later."""
     first, last = step.start.value - start.value, step.end.value - start.value
     if step.end.problem.events != start.problem.events or first * last > 0:
         return False
@@ -323,6 +279,6 @@ def _closes(step: Stretch, start: CurvePoint) -> bool:
 
 
 def _share(of: ParameterRange, way: Way, limits: Limits) -> float:
-    """The share of the range, or of the points allowed, that is behind."""
+    """The share of the range, or of the points allowed, that is done."""
     covered = abs(way.points[-1].value - way.points[0].value) / (of.high - of.low)
     return min(max(covered, len(way.points) / limits.max_points), 1.0)

@@ -169,7 +169,7 @@ def test_lines_join_bifurcations_where_one_goes_on(in_two_parameters: xr.Dataset
 
 
 def test_branches_of_one_problem_have_no_loci(dataset: xr.Dataset) -> None:
-    with pytest.raises(InputError, match="of one problem, not of several values of a second number"):
+    with pytest.raises(InputError, match="of one problem, not of several values of a second parameter"):
         plot_loci(dataset)
 
 
