@@ -85,8 +85,8 @@ def branch(
         Number of points of all branches together, each counted by its period multiple, from which on no further branch
         is followed, at each value of `also_over`; the dataset tells how many motions are left out.
     also_over : Axis, optional
-        A second parameter, and the values for which all this is done: bifurcations that go on from value to value lie on
-        one locus.
+        A second parameter, and its values: all is done at each value, and bifurcations that go on from value to value
+        lie on one locus.
     from_grazes : bool
         Whether motions are looked for beside each graze that have its contact every second period alone, or in one half
         of a motion that mirrored itself.

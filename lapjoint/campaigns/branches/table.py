@@ -307,7 +307,7 @@ def _second_axis(axis: Axis) -> dict[str, Variable]:
 
 
 def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variable]) -> dict[str, Variable]:
-    """At which value of the second parameter each branch and each bifurcation is, and on which locus the latter lies."""
+    """The value of the second parameter at each branch and each bifurcation, and the locus of each bifurcation."""
     at = np.repeat(np.array(axis.values), [len(diagram.branches) for diagram in diagrams])
     owner, point = known["bifurcation_branch"][1], known["bifurcation_point"][1]
     multiple = known["period_multiple"][1]

@@ -1,4 +1,4 @@
-"""Bifurcations that go on from value to value of a second parameter are one locus; doubtful ones are joined to nothing."""
+"""Bifurcations that go on over values of a second parameter are one locus; doubtful ones are joined to nothing."""
 
 from __future__ import annotations
 
