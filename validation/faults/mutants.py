@@ -24,11 +24,11 @@ from typing import Any
 from rich.console import Console
 
 from lapjoint.files.writing import write_file
-from validation.faults.changed_tree import PACKAGES, installed_tree, source_of
+from validation.faults.changed_tree import PACKAGES, Changed, installed_tree, source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded
 from validation.faults.run import LEVEL, seen_line, sound, sound_tree
-from validation.faults.running import Changed, Kept, Order, Trials, plain, seen_from
+from validation.faults.running import Kept, Order, Trials, plain, seen_from
 from validation.faults.trial import Result, Seen
 from validation.suite import modules_of
 

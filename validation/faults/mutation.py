@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from validation.faults.changed_tree import source_of
+from validation.faults.syntax import span
 
 ROOMS = ("analytic", "fe_lapjoint", "lapjoint/problem", "lapjoint/answers", "lapjoint/orbits", "lapjoint/campaigns")
 LEFT_OUT = (
@@ -158,18 +159,12 @@ def possible(module: str, source: str) -> Iterator[Mutant]:
         In the sequence of the source.
     """
     raw = source.encode()
-    starts = [0]
-    for line in raw.split(b"\n"):
-        starts.append(starts[-1] + len(line) + 1)
     alike: Counter[tuple[str, ...]] = Counter()
     for function, node in _computing(ast.parse(source), ""):
         for kind, part, change in _changes(node):
-            begin = starts[part.lineno - 1] + part.col_offset
-            assert part.end_lineno is not None
-            assert part.end_col_offset is not None
-            end = starts[part.end_lineno - 1] + part.end_col_offset
+            begin, end = span(source, part)
             old = raw[begin:end].decode()
-            new = change.format(old=old, **_pieces(part, raw, starts))
+            new = change.format(old=old, **_pieces(part, source))
             reads = (function, *(" ".join(text.split()) for text in (old, new)))
             alike[reads] += 1
             yield Mutant(kind, module, function, part.lineno, begin, end, old, new, alike[reads])
@@ -227,7 +222,7 @@ def _text(node: ast.expr) -> bool:
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
-def _pieces(node: ast.expr, raw: bytes, starts: list[int]) -> dict[str, str]:
+def _pieces(node: ast.expr, source: str) -> dict[str, str]:
     """The source of both sides of an operation, or of its operand."""
     if isinstance(node, ast.Compare):
         parts = {"left": node.left, "right": node.comparators[0]}
@@ -235,11 +230,4 @@ def _pieces(node: ast.expr, raw: bytes, starts: list[int]) -> dict[str, str]:
         parts = {"left": node.left, "right": node.right}
     else:
         parts = {"operand": node.operand} if isinstance(node, ast.UnaryOp) else {}
-    return {name: _source(part, raw, starts) for name, part in parts.items()}
-
-
-def _source(node: ast.expr, raw: bytes, starts: list[int]) -> str:
-    assert node.end_lineno is not None
-    assert node.end_col_offset is not None
-    begin = starts[node.lineno - 1] + node.col_offset
-    return raw[begin : starts[node.end_lineno - 1] + node.end_col_offset].decode()
+    return {name: source.encode()[slice(*span(source, part))].decode() for name, part in parts.items()}

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 from lapjoint.errors import InputError
 from validation.case import Level
 from validation.faults.catalogue import CONTROL, FAULTS
-from validation.faults.changed_tree import copied_tree, installed_tree, source_of
+from validation.faults.changed_tree import copied_tree, installed_tree
 from validation.faults.fault import Fault
 from validation.faults.record import recorded, write_record
-from validation.faults.running import Changed, Kept, Order, Trials
+from validation.faults.running import Kept, Order, Trials
 from validation.faults.table import Judged, answer
 from validation.faults.trial import Result, Seen
 from validation.verdict import Verdict
@@ -148,9 +148,8 @@ def sound(trials: Trials, modules: Sequence[str], console: Console) -> dict[str,
 def _judged(trials: Trials, faults: Sequence[Fault], order: Order, console: Console) -> list[Judged]:
     console.print(f"[bold]{len(faults) - 1} faults, and a control[/bold]", highlight=False)
     known = {fault.name: fault for fault in faults}
-    changes = (Changed(f.name, f.module, f.put_into(source_of(trials.tree, f.module))) for f in faults)
     found: list[Judged] = []
-    for changed, seen in trials.judged(changes, order):
+    for changed, seen in trials.judged((fault.put_into(trials.tree) for fault in faults), order):
         found.append(Judged(known[changed.label], seen))
         line = f"  {len(found)}/{len(faults)} {changed.label}: {seen_line(seen)}"
         console.print(line, highlight=False, markup=False, soft_wrap=True)

@@ -21,7 +21,7 @@ from typing import Any
 
 from lapjoint.machine.processes import interrupts_held
 from validation.case import Level
-from validation.faults.changed_tree import PACKAGES, change, copied_tree
+from validation.faults.changed_tree import PACKAGES, Changed, change, copied_tree
 from validation.faults.trial import Result, Seen, try_tree
 
 ALLOWANCE, TIMES = 20.0, 10.0
@@ -34,18 +34,6 @@ _NOT_JUDGING = ("cases", "faults", "report", "command.py", "suite.py")
 
 Limits = tuple[tuple[str, float], ...]
 """Modules of cases in the order in which they run, and the most time that each may take, s."""
-
-
-@dataclass(frozen=True)
-class Changed:
-    """One module with other source; no module: nothing is changed."""
-
-    label: str
-    """What it is called."""
-    module: str = ""
-    """The module, by its full name."""
-    source: str = ""
-    """Its new source."""
 
 
 @dataclass(frozen=True)
