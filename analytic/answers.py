@@ -10,13 +10,13 @@ from analytic.march import Joint, march
 from analytic.march.field import history_of
 from analytic.march.initial_state import started
 from analytic.march.oscillator import ABOVE
-from analytic.march.stretches import marched, stretches
+from analytic.march.stretches import STANDARD, StretchSize, marched, stretches
 from analytic.period_map import PeriodMap
 from lapjoint.answers import History
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
-_ROUNDINGS = 1e-12  # relative: so nearly do whole periods come to the duration asked for, and follow each other
+_ROUNDINGS = 1e-12  # relative rounding error of a sum of whole periods that comes to the duration asked for
 
 
 def simulate(
@@ -27,32 +27,11 @@ def simulate(
     progress: Progress | None,
     side: float = ABOVE,
 ) -> History:
-    """The motion from the initial state.
+    """The motion from the initial state to `duration`, s, with its contacts, by a solver called `name`.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    name : str
-        Name and options of the solver.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-    duration : float
-        How long, s.
-    progress : callable or None
-        Called with (done, total), in the same unit.
-    side : float
-        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
-
-    Returns
-    -------
-    History
-        The motion from 0 to `duration`, with its contacts.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
+    `counts` are the numbers of modes in the free state and in every other; `side` says to which side of a load's
+    frequency undamped modes are moved, see `analytic.march.oscillator.away_from_resonance`.  `progress` is called with
+    (done, total).
     """
     joint = Joint(problem, *counts, side)
     if problem.excitation_frequency is not None:
@@ -62,39 +41,20 @@ def simulate(
 
 
 def stream(
-    problem: Problem, name: str, counts: tuple[int, int], duration: float, progress: Progress | None
+    problem: Problem,
+    name: str,
+    counts: tuple[int, int],
+    duration: float,
+    progress: Progress | None,
+    size: StretchSize = STANDARD,
 ) -> Iterator[History]:
-    """The motion from the initial state, stretch by stretch.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    name : str
-        Name and options of the solver.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-    duration : float
-        How long, s.
-    progress : callable or None
-        Called with the time marched and the duration, s.
-
-    Yields
-    ------
-    History
-        See `lapjoint.solver.Streams.stream`.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
-    """
+    """The motion of `simulate`, stretch by stretch. See `lapjoint.solver.Streams.stream`."""
     joint, start = Joint(problem, *counts), 0.0
     if problem.excitation_frequency is None:
-        logs = marched(joint, duration)
+        logs = marched(joint, duration, size)
     else:
         logs = PeriodMap(joint, name).marched(duration)
-    for log in stretches(logs):
+    for log in stretches(logs, size):
         end = duration if log.end[-1] > duration * (1 - _ROUNDINGS) else log.end[-1]
         log = log._replace(start=np.append(start, log.start[1:]), end=np.append(log.end[:-1], end))
         start = float(end)

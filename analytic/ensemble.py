@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from analytic.march import Coordinates, Joint
-from analytic.march.compiled import DONE, new_motion, new_work
+from analytic.march.compiled import DONE
 from analytic.march.initial_state import carried_over
 from analytic.march.many import advance_many
 from analytic.march.march import MOST_SWITCHES, next_switches, settle_status
+from analytic.march.motion import new_motion, new_work
 from analytic.march.tables import IntArray
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import SolverError
@@ -18,17 +19,7 @@ from lapjoint.problem import FloatArray
 
 
 class JointEnsemble:
-    """Section points of one joint, as flat arrays.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    period : float
-        The excitation period, s.
-    points : sequence of Coordinates
-        Where the motions are.
-    """
+    """Section points of one joint as flat arrays; `period` is the excitation period, s."""
 
     def __init__(self, joint: Joint, period: float, points: Sequence[Coordinates]) -> None:
         self._joint, self._period = joint, period
@@ -39,7 +30,7 @@ class JointEnsemble:
             self._q[i, : point.q.size], self._v[i, : point.v.size] = point.q, point.v
 
     def march(self, which: IntArray, periods: int) -> dict[int, str]:
-        """March some of them on. See `lapjoint.orbits.ensemble.Ensemble.march`."""
+        """March the members `which` over whole periods. See `lapjoint.orbits.ensemble.Ensemble.march`."""
         joint, failed = self._joint, dict[int, str]()
         motion = new_motion(0, 0.0, np.zeros(0), np.zeros(0), max(joint.counts), joint.stops)
         work = new_work(joint.tables)
@@ -57,7 +48,7 @@ class JointEnsemble:
         return failed
 
     def deviations(self, which: IntArray, origin: SectionPoint) -> FloatArray:
-        """Their deviations from a section point. See `lapjoint.orbits.ensemble.Ensemble.deviations`."""
+        """Deviations of members from a section point. See `lapjoint.orbits.ensemble.Ensemble.deviations`."""
         joint, n = self._joint, self._joint.count(origin.state)
         found: FloatArray = np.zeros((len(which), 2, n))
         slots = self._slots[which]
@@ -71,7 +62,7 @@ class JointEnsemble:
         return np.asarray((found - origin.coordinates).reshape(len(which), 2 * n))
 
     def point(self, member: int) -> SectionPoint:
-        """Where a member is. See `lapjoint.orbits.ensemble.Ensemble.point`."""
+        """The section point of a member. See `lapjoint.orbits.ensemble.Ensemble.point`."""
         state = self._joint.state_in(int(self._slots[member]))
         n = self._joint.count(state)
         return SectionPoint(state, np.array((self._q[member, :n], self._v[member, :n])))

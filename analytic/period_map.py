@@ -22,12 +22,13 @@ from analytic.march import (
 )
 from analytic.march.arcs import JointArcs
 from analytic.march.carried import size_of
-from analytic.march.compiled import Log, new_log
 from analytic.march.field import history_of
 from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import resumed, started, translated
-from analytic.march.loads import Harmonics
+from analytic.march.joint import DrivenProblem
+from analytic.march.loads import Excitation, Harmonics
 from analytic.march.march import joined, recorded
+from analytic.march.motion import Log, new_log
 from analytic.march.static_shapes import free_energy, static_shapes
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import FREE, ContactState
@@ -39,7 +40,7 @@ from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import BaseMotion, FloatArray, Problem
 from lapjoint.problem.forces import inertial_load
-from lapjoint.problem.symmetry import mirror_twins
+from lapjoint.problem.symmetry import stop_twins
 from lapjoint.solver import Progress
 
 
@@ -47,9 +48,8 @@ from lapjoint.solver import Progress
 class PeriodMap:
     """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
 
-    A section point holds (q, v) in the modes of its contact state, and so do deviations from it.  What the modes of
-    another state cannot carry is lost on the way there, so the map jumps, by truncation, where the order of two
-    switches changes.
+    Section points, and deviations from them, hold (q, v) in the modes of their contact state.  The modes of the next
+    state cannot carry the whole motion, so the map jumps, by truncation, where the order of two switches changes.
     """
 
     joint: Joint
@@ -61,11 +61,11 @@ class PeriodMap:
         """The problem."""
         return self.joint.problem
 
-    @cached_property
+    @property
     def period(self) -> float:
         """The excitation period, s."""
-        assert self.problem.excitation_frequency is not None
-        return 2 * math.pi / self.problem.excitation_frequency
+        assert self.joint.period is not None
+        return self.joint.period
 
     @cached_property
     def arcs(self) -> JointArcs:
@@ -78,15 +78,11 @@ class PeriodMap:
         damping_rate = self.joint.modal(FREE).damping_rate
         return float(damping_rate[damping_rate > 0].min()) if (damping_rate > 0).any() else 0.0
 
-    @cached_property
-    def _twins(self) -> tuple[int, ...] | None:
-        """The twin of each stop, if the problem is its own mirror image."""
-        return mirror_twins(self.problem)
-
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
-        """The map with another amplitude or frequency of a sine of the base, if that alone drives the beam.
+        """The map with another amplitude or frequency, if a sine of the base alone drives the beam.
 
-        See `lapjoint.orbits.parameters.Retunes`: neither a problem nor what does not depend on the number is made anew.
+        See `lapjoint.orbits.parameters.Retunes`: `problem` is called only where the new problem is asked for, and
+        whatever does not depend on the parameter is kept.
         """
         base = self.problem.base_motion
         if field not in (FREQUENCY, AMPLITUDE) or not isinstance(base, BaseMotion) or self.problem.point_loads:
@@ -96,12 +92,9 @@ class PeriodMap:
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
         sizes = np.array([1.0, inertial_load(self.problem.beam.m, amplitude, omega)])
         harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
-        other = PeriodMap(self.joint.driven(problem, harmonics, sizes), self.name)
-        other.__dict__["period"] = 2 * math.pi / omega
-        if "_twins" in self.__dict__:
-            other.__dict__["_twins"] = self._twins
-        other.joint.changes[field] = change_with(field, value, np.ones(1))
-        return other
+        changes = {field: change_with(field, value, np.ones(1))}
+        driven = DrivenProblem(self.joint.loaded, Excitation(harmonics, sizes, 2 * math.pi / omega, changes), problem)
+        return PeriodMap(Joint(driven, *self.joint.counts, self.joint.side), self.name)
 
     def initial(self) -> SectionPoint:
         """The initial state of the problem."""
@@ -109,7 +102,7 @@ class PeriodMap:
 
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
+        """March over half periods, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         whole, half = divmod(half_periods, 2)
         found = march_periods(self.joint, _coordinates(start), self.period, whole)
         end, penetration, switches = found.end, found.penetration, found.switches
@@ -121,41 +114,17 @@ class PeriodMap:
 
     @in_one_thread
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The same march with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
+        """The motion over whole periods with its contacts. See `lapjoint.orbits.PeriodMap.history`."""
         return self._recorded(_coordinates(start), [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state, in the same pieces as the search marches.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-        progress : callable or None
-            Called with (pieces done, pieces in all).
-
-        Returns
-        -------
-        History
-            The motion from 0 to `duration`, with its contacts.
-        """
+        """The motion from the initial state to `duration`, s, in the pieces in which periodic motions are marched."""
         recorded(0.0, new_log(1, max(self.joint.counts), self.joint.stops), duration / self.period)  # at least
         motion = self._recorded(started(self.joint), period_pieces(self.period, duration), progress)
         return replace(motion, end=duration)  # the pieces come to that but for rounding
 
     def marched(self, duration: float) -> Iterator[Log]:
-        """The segments of the motion from the initial state, in the same pieces as the search marches.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-
-        Yields
-        ------
-        Log
-            Those of a piece, with the depths of contacts.
-        """
+        """The segments of the motion that `simulated` gives, piece by piece, with the depths of contacts."""
         now = started(self.joint)
         for i, piece in enumerate(period_pieces(self.period, duration)):
             motion = march(self.joint, now, 0.0, piece, depth=True)
@@ -183,16 +152,17 @@ class PeriodMap:
         return self.norm(point.coordinates.ravel())
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """The point moved, in its modes, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
+        """The point moved by a deviation, its stops as its gaps imply. See `lapjoint.orbits.PeriodMap.moved`."""
         return resumed(self.joint, origin.state, origin.coordinates + deviation.reshape(2, -1))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image; its state has the same modes. See `lapjoint.orbits.PeriodMap.mirrored`."""
-        assert self._twins is not None
-        return SectionPoint(ContactState(tuple(self._twins[k] for k in point.state.closed)), -point.coordinates)
+        """The mirror image, whose modes are those of `point`. See `lapjoint.orbits.PeriodMap.mirrored`."""
+        twins = stop_twins(self.joint.loaded.problem.structure)
+        assert twins is not None
+        return SectionPoint(ContactState(tuple(twins[k] for k in point.state.closed)), -point.coordinates)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
-        """A point with other numbers of modes, or of other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
+        """A point found with other numbers of modes, or other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
         stops = range(self.joint.stops)
         if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
@@ -247,7 +217,7 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
-        return np.array([stop.sign * stop.stiffness for stop in self.joint.family.problem.stops]) * penetration
+        return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions, size = start, [], 0.0
@@ -276,7 +246,7 @@ def _as_one(motions: list[March], period: float) -> March:
 
 
 def _later(log: Log, by: float) -> Log:
-    """The same segments, later by so many seconds."""
+    """The segments of a log, later by so many seconds."""
     return log._replace(start=log.start + by, end=log.end + by)
 
 

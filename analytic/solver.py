@@ -23,13 +23,14 @@ if TYPE_CHECKING:
     from lapjoint.orbits.orbit_errors import FinerMap
     from lapjoint.orbits.refinement import Refinement
 
-MOST_MODES = 500  # in a contact state; work and memory grow with the square of the number
+MOST_MODES = 500  # most modes in a contact state; work and memory grow with the square of the number
 FINER = 1.5
-"""Times as many modes of the solver that errors are estimated by: with fewer, more errors are stated too small."""
+"""Ratio of numbers of modes between the solver that errors are estimated by and this one: below it, more errors are
+stated too small."""
 LEAST_FINER = 1.2
-"""Times as many modes as there must be at least: the limit on modes may not leave room for more."""
+"""Least such ratio with which errors are estimated, where the limit on modes leaves room for no more."""
 ORDER = 4.0
-"""Power of the number of modes with which errors of impulses fall at least; mostly it is the sixth."""
+"""Least power of the number of modes with which errors of impulses fall; mostly it is the sixth."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Solver:
     Parameters
     ----------
     n_modes : int, optional
-        Modes in every state; by default chosen for the problem by `analytic.modes.mode_count`.
+        Modes in every state; by default chosen for the problem by `analytic.mode_count`.
     free_modes, contact_modes : int, optional
         Modes in the free state, and in every other; they go before `n_modes`.
     tolerance : float
@@ -131,7 +132,7 @@ class Solver:
         """
         common = self.n_modes
         if common is None and (self.free_modes is None or self.contact_modes is None):
-            from analytic.modes.mode_count import default_count
+            from analytic.mode_count import default_count
 
             common = default_count(problem, self.tolerance)
         assert common is not None or (self.free_modes is not None and self.contact_modes is not None)
@@ -179,8 +180,8 @@ class Solver:
         duration : float
             How long, s.
         errors : bool
-            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
-            takes about as long again.
+            Whether to estimate the numerical errors of the contacts, from a march with more modes; it takes about as
+            long again.
         progress : callable, optional
             Called with (done, total), in the same unit.
 
@@ -228,13 +229,13 @@ class Solver:
         problem : Problem
             What is solved; its excitation has a period.
         start : SectionPoint, optional
-            Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks are at
-            rest, and those that it has too many are left out; a stop is closed at first where it is pressed.
+            Where to begin instead of at the initial state: a section point of this solver.  Modes that it lacks follow
+            the loads, and modes that it has too many are left out; a stop is closed at first where it is pressed.
         sensitivity : bool
             Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
         errors : bool
-            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
-            solver; it takes less than as long again.
+            Whether to estimate the numerical errors of the impulses and of the contacts, from a motion with more
+            modes; it takes less than as long again.
         progress : callable, optional
             Called with the periods marched, and the most allowed.
 
@@ -264,10 +265,7 @@ class Solver:
         )
 
     def _finer(self, counts: tuple[int, int]) -> tuple[Solver, float] | None:
-        """This solver with more modes than `counts`, to estimate its errors by, and how many times as many.
-
-        None if these are nearly all that there may be.
-        """
+        """This solver with `FINER` times as many modes as `counts`, and the ratio; None near the limit on modes."""
         free, contact = (min(math.ceil(count * FINER), MOST_MODES) for count in counts)
         ratio = min(free / counts[0], contact / counts[1])
         return (replace(self, free_modes=free, contact_modes=contact), ratio) if ratio >= LEAST_FINER else None
@@ -284,7 +282,7 @@ class Solver:
         return lambda: FinerMap(refinement, finer._period_map(problem, BELOW))
 
     def _with_errors(self, motion: History, counts: tuple[int, int], duration: float) -> History:
-        """A march with the errors of its contacts."""
+        """A march with the estimated errors of its contacts."""
         from analytic import answers
         from analytic.march.oscillator import BELOW
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
@@ -368,19 +366,6 @@ class Solver:
 
 
 def check_count(field: str, value: object) -> None:
-    """Raise an error unless a value is a number of modes that can be had.
-
-    Parameters
-    ----------
-    field : str
-        What the number is called in the message.
-    value : object
-        The value; it must be an integer from 1 to `MOST_MODES`.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
+    """Raise `InputError` unless a value, called `field` in the message, is an integer from 1 to `MOST_MODES`."""
     if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= MOST_MODES:
         raise InputError(f"{field} = {value!r}: the analytic solver takes an integer from 1 to {MOST_MODES}")

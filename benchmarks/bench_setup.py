@@ -11,12 +11,13 @@ from typing import Any
 import pytest
 
 import analytic
+from analytic import mode_count
 from analytic.march import modal_state, tables
-from analytic.modes import mode_count, normal_modes
+from analytic.modes import normal_modes
 from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support, paper_joint
 
 _STOPS = tuple(
-    Stop(x=0.2 + 0.8 * (i + 1) / 12, side=("top", "bottom")[i % 2], gap=5e-4 * (1 + i % 3), stiffness=100.0)
+    Stop(x=0.2 + 0.8 * ((i + 1) / 12), side=("top", "bottom")[i % 2], gap=5e-4 * (1 + i % 3), stiffness=100.0)
     for i in range(12)
 )
 TWELVE_STOPS = Problem(
@@ -34,8 +35,8 @@ CASES = {
 
 
 def _forget() -> None:
-    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
-    for known in (*ours, tables.flat_state, tables.unit_tables, normal_modes._exact_modes, mode_count._parts):
+    ours = (modal_state._loaded_structure, modal_state._modal_state, modal_state.passage, modal_state._products)
+    for known in (*ours, tables.flat_state, tables.unit_tables, normal_modes._exact_modes, mode_count._modal_sums):
         known.cache_clear()
 
 

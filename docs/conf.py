@@ -40,6 +40,9 @@ html_title = "lapjoint"
 html_show_sourcelink = False
 html_show_copyright = False  # LICENSE has it
 html_copy_source = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+smartquotes = False  # `--plane` in a help text is an option, not a dash
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
@@ -82,13 +85,15 @@ def _included(app: Any, relative_path: Any, parent_docname: str, content: list[s
 def _finished(app: Any, error: Exception | None) -> None:
     """What Sphinx leaves out for those who do not see, or use no mouse.
 
-    Levels of headings, names of what stands beside a page, and boxes that scroll by the keyboard.
+    Levels of headings, names of what stands beside a page, boxes that scroll by the keyboard, and options that are not
+    cut after their dashes.
     """
     for page in () if error else Path(app.outdir).rglob("*.html"):
         text = page.read_text(encoding="utf-8")
         text = text.replace('class="caption" role="heading">', 'class="caption" role="heading" aria-level="2">')
         for beside, name in (("sidebar-drawer", "All pages"), ("toc-drawer", "On this page")):
             text = re.sub(rf'<aside class="{beside}([^"]*)">', rf'<aside class="{beside}\1" aria-label="{name}">', text)
+        text = re.sub(r'<span class="pre">(--[\w-]{1,24})</span>', r'<span class="pre option">\1</span>', text)
         page.write_text(re.sub(r"<pre>", '<pre tabindex="0">', text), encoding="utf-8")
 
 

@@ -1,9 +1,9 @@
-"""From a problem and a solver's options to modes, to a motion, and to the motion that remains."""
+"""Modes, marches and the period map of a problem, by the options of a solver."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
@@ -20,38 +20,33 @@ from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
-if TYPE_CHECKING:
-    from fe_lapjoint.solver import Solver
+_WINDOWS = 16
+"""Most windows of a stretch: some tens to hundreds of contacts."""
+_KNOTS = 32768
+"""Most knots of a stretch; the motion is kept at one knot of 64."""
+_ROUNDINGS = 1e-12
+"""Relative to the duration: a stretch that ends this near to the end of the motion is the last one."""
 
-_WINDOWS = 16  # windows of a stretch at most, some tens to hundreds of contacts
-_KNOTS = 32768  # of a stretch, at most: of 64 of them, the motion at one is kept
-_ROUNDINGS = 1e-12  # of the duration: a stretch that ends so near to it is the last one
+
+class Options(Protocol):
+    """The numerical options of `fe_lapjoint.Solver`, which says what each is."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def elements(self) -> int: ...
+    @property
+    def nodes(self) -> tuple[float, ...] | None: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def rtol(self) -> float: ...
+    @property
+    def atol(self) -> float: ...
 
 
-def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
-    """The lowest modes of a contact state.
-
-    Parameters
-    ----------
-    solver : Solver
-        The numerical options.
-    problem : Problem
-        What is solved.
-    state : ContactState
-        The stops that are closed.
-    count : int
-        How many modes, at most the number of degrees of freedom.
-
-    Returns
-    -------
-    Modes
-        Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
-
-    Raises
-    ------
-    InputError
-        If `count` exceeds the number of degrees of freedom.
-    """
+def modes(solver: Options, problem: Problem, state: ContactState, count: int) -> Modes:
+    """The `count` lowest modes of a contact state; an InputError if the mesh has fewer degrees of freedom."""
     assembly = _assembly(solver, problem)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= assembly.free.size:
         raise InputError(f"count = {count!r}: allowed are 1 to {assembly.free.size}, the modes of this mesh")
@@ -59,30 +54,8 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
     return Modes(state, omega[:count], ElementShapes(assembly, vectors[:, :count]))
 
 
-def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
-    """The motion from the initial state.
-
-    Parameters
-    ----------
-    solver : Solver
-        The numerical options.
-    problem : Problem
-        What is solved.
-    duration : float
-        How long, s.
-    progress : callable or None
-        Called with (done, total), in the same unit.
-
-    Returns
-    -------
-    History
-        The motion from 0 to `duration`, with its contacts.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
-    """
+def simulate(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> History:
+    """The motion from the initial state to `duration`, s, with its contacts."""
     if problem.excitation_frequency is not None:
         return period_map(solver, problem).simulated(duration, progress)
     model = _model(solver, problem)
@@ -92,30 +65,8 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
     return history_of(solver.name, model, [motion], duration)
 
 
-def stream(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
-    """The motion from the initial state, stretch by stretch.
-
-    Parameters
-    ----------
-    solver : Solver
-        The numerical options.
-    problem : Problem
-        What is solved.
-    duration : float
-        How long, s.
-    progress : callable or None
-        Called with the time marched and the duration, s.
-
-    Yields
-    ------
-    History
-        See `lapjoint.solver.Streams.stream`.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
-    """
+def stream(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
+    """The motion from the initial state to `duration`, s, stretch by stretch; see `lapjoint.solver.Streams.stream`."""
     if problem.excitation_frequency is not None:
         stretches = period_map(solver, problem).streamed(duration)
     else:
@@ -126,8 +77,8 @@ def stream(solver: Solver, problem: Problem, duration: float, progress: Progress
             progress(stretch.end, duration)
 
 
-def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[History]:
-    """The stretches of a motion that nothing repeats."""
+def _marched(solver: Options, problem: Problem, duration: float) -> Iterator[History]:
+    """The stretches of a motion under loads without a common period."""
     model = _model(solver, problem)
     state = initial_state(model)
     y, t = initial_coordinates(model.assembly, model.system(state)), 0.0
@@ -139,7 +90,7 @@ def _marched(solver: Solver, problem: Problem, duration: float) -> Iterator[Hist
 
 
 def _stretch_end(model: Model, t: float, duration: float) -> float:
-    """Where a stretch that begins at a time ends, s: at a knot, if there is one late enough in it."""
+    """End of a stretch that begins at a time, s: at the last knot of a block of sampled forces, if there is one."""
     end = t + _WINDOWS * window_of(model, FREE)
     if model.problem.forces.ramps is not None:
         time = model.block_at(t)[0].time
@@ -148,27 +99,14 @@ def _stretch_end(model: Model, t: float, duration: float) -> float:
     return duration if end >= duration * (1 - _ROUNDINGS) else end
 
 
-def period_map(solver: Solver, problem: Problem) -> PeriodMap:
-    """The period map of a problem whose excitation has a period.
-
-    Parameters
-    ----------
-    solver : Solver
-        The numerical options; its `method` is "exact".
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    PeriodMap
-        The motion of the problem from section point to section point.
-    """
+def period_map(solver: Options, problem: Problem) -> PeriodMap:
+    """The period map of a problem whose excitation has a period, by the exact method."""
     return PeriodMap(_model(solver, problem), solver.name)
 
 
-def _model(solver: Solver, problem: Problem) -> Model:
+def _model(solver: Options, problem: Problem) -> Model:
     return Model(problem, _assembly(solver, problem), solver.method, solver.rtol, solver.atol)
 
 
-def _assembly(solver: Solver, problem: Problem) -> Assembly:
+def _assembly(solver: Options, problem: Problem) -> Assembly:
     return Assembly(problem, mesh_nodes(problem, solver.elements, solver.nodes))

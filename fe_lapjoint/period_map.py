@@ -1,4 +1,4 @@
-"""The period map of the finite element solver: what the search for periodic motions asks of it.
+"""The period map of the finite element solver, as the search for periodic motions uses it.
 
 A section point holds the displacements and slopes of all nodes, and their rates, which every problem on a mesh shares.
 Deviations are (q, q') in the modes of the joint without contact, whose mass is one: their norm needs no mass matrix.
@@ -42,10 +42,12 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
-_STRETCH = 16  # periods of the motion that are handed on at once
-_FEW = 64  # pieces of a march that a deviation is carried along before it is scaled: a switch may multiply it by 1e4
+_STRETCH = 16
+"""Excitation periods of the motion that are handed on at once."""
+_FEW = 64
+"""Most pieces along which a deviation is carried before it is scaled: a switch may multiply it by 1e4."""
 _TOUCHING = 1e-12
-"""Of gap and displacement: a stop nearer to its gap than this keeps its contact state; rounding may be as large."""
+"""Relative distance of gap and displacement up to which a stop keeps its contact state: as large as rounding may be."""
 
 
 @dataclass(frozen=True)
@@ -114,38 +116,14 @@ class PeriodMap:
         return self._recorded(start, [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state, in the same pieces as the search marches.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-        progress : callable or None
-            Called with (pieces done, pieces in all).
-
-        Returns
-        -------
-        History
-            The motion from 0 to `duration`, with its contacts.
-        """
+        """The motion from the initial state to `duration`, s, in the pieces that the search marches."""
         longest = max(window_of(self.model, FREE), longest_window(self.model, FREE, duration))
         require_room(self.model, duration / longest)
         motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress)
-        return replace(motion, end=duration)  # the pieces come to that but for rounding
+        return replace(motion, end=duration)  # the sum of the pieces differs from the duration by rounding
 
     def streamed(self, duration: float) -> Iterator[History]:
-        """The same motion, stretch by stretch; see `lapjoint.solver.Streams.stream`.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-
-        Yields
-        ------
-        History
-            Some periods each.
-        """
+        """The motion of `simulated`, some periods at a time; see `lapjoint.solver.Streams.stream`."""
         pieces = period_pieces(self.period, duration)
         motions, start = self._marched(self.initial(), pieces), 0.0
         for first in range(0, len(pieces), _STRETCH):
@@ -284,7 +262,7 @@ class PeriodMap:
         return (coordinates @ self.model.weighted(FREE)).ravel()
 
     def _settled(self, point: SectionPoint) -> SectionPoint:
-        """The same displacements with the contact state that they imply."""
+        """The displacements with the contact state that they imply."""
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
         depth = model.sign * z - model.gap
@@ -303,7 +281,7 @@ def _in_parts(motion: March) -> Iterator[March]:
 
 
 def _between(motion: History, start: float, end: float) -> History:
-    """A motion whose ends are moved by a rounding, and with them those of the contacts that go on over them."""
+    """A motion with its ends moved by a rounding, and with them the ends of the contacts that go on over them."""
     contacts = tuple(
         replace(c, start=start if c.open_start else c.start, end=end if c.open_end else c.end) for c in motion.contacts
     )

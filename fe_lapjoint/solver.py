@@ -1,4 +1,4 @@
-"""The finite element solver: numerical options, and the three questions that it answers.
+"""The finite element solver: its numerical options, and its modes, motions and steady states.
 
 The modules that answer them bring scikit-fem and scipy along; they are imported when the first question is asked.
 """
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
 FINER_ORBIT = 1.5
-"""Times as many elements of the mesh that errors of steady states are estimated by."""
+"""Ratio of the number of elements of the mesh for errors of steady states to this solver's."""
 FINER_MARCH = 4 / 3
-"""Times as many elements of the mesh that errors of a march are estimated by, which takes about as long again."""
+"""Ratio of the number of elements of the mesh for errors of a march to this solver's; it takes about as long again."""
 ORDER = 4.0
-"""Power of the number of elements with which errors fall."""
+"""Power of the number of elements with which errors fall: that of frequencies by cubic elements."""
 
 
 @dataclass(frozen=True)
@@ -267,7 +267,7 @@ class Solver:
         return FinerMap(refinement, finer.period_map(problem))
 
     def _with_errors(self, motion: History, duration: float) -> History:
-        """A march with the errors of its contacts."""
+        """The march with the errors of its contacts."""
         from fe_lapjoint import answers
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
         from lapjoint.orbits.refinement import Refinement

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         write_problem,
     )
     from lapjoint.solver import make_solver, solver_names
+    from lapjoint.summaries import summarise
 
 __all__ = [
     "FREE",
@@ -98,12 +99,20 @@ __all__ = [
     "sdnl104",
     "solver_names",
     "statistics",
+    "summarise",
     "sweep",
     "time_series",
     "write_problem",
     "write_series",
 ]
-_HOMES = ("lapjoint.errors", "lapjoint.answers", "lapjoint.problem", "lapjoint.solver", "lapjoint.campaigns")
+_HOMES = (
+    "lapjoint.errors",
+    "lapjoint.answers",
+    "lapjoint.problem",
+    "lapjoint.solver",
+    "lapjoint.campaigns",
+    "lapjoint.summaries",
+)
 """Where the names above are defined, in the order in which they are looked for."""
 
 

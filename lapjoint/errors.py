@@ -9,26 +9,26 @@ class InputError(ValueError):
 
 
 class SolverError(RuntimeError):
-    """The solver could not do what was asked; the message says where it stopped and why."""
+    """A solver could not do as asked; the message says where it stopped and why."""
 
 
 class OutputError(RuntimeError):
-    """What was asked for could not be written, for whatever reason; the message says why, and what is kept.
+    """A file or stream could not be written; the message says why, and what is kept.
 
     The command line prints it without a traceback and exits with status 3.
     """
 
 
 class DamageWarning(UserWarning):
-    """A part of a file is damaged; the message says which, and what is done about it."""
+    """A part of a file is damaged; the message says which part, and how it is treated."""
 
 
 class ExcitationWarning(UserWarning):
-    """An excitation can hardly be what was meant, or cannot drive what it should; the message says why."""
+    """An excitation is hardly the intended one, or cannot drive the joint as it should; the message says why."""
 
 
 class RecordWarning(ExcitationWarning):
-    """A record can hardly be what was measured, or cannot drive what it should; the message says why."""
+    """A record is hardly as it was measured, or cannot drive the joint as it should; the message says why."""
 
 
 class Interrupted(KeyboardInterrupt):

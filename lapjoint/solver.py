@@ -14,9 +14,9 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
-"""Packages register their solvers under this name."""
+"""Name of the group of entry points under which packages register their solvers."""
 MODES = 6
-"""Modes of a state where nobody says how many: a line of a terminal."""
+"""Default number of modes of a state: they fit on a line of a terminal."""
 Progress = Callable[[float, float], None]
 """Called now and then with (done, total), in the same unit."""
 
@@ -64,7 +64,7 @@ class Solver(Protocol):
         duration : float
             Length of the motion, s.
         errors : bool
-            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
+            Whether to estimate the numerical errors of the contacts, from a march at a finer resolution; it
             takes about as long again.
         progress : callable, optional
             Called now and then with the time marched and the duration, s.
@@ -104,8 +104,8 @@ class Solver(Protocol):
             Whether to measure `Acceptance.growth`, how much deviations grew on the way, which may take as long again;
             a solver that does not measure it takes no notice.
         errors : bool
-            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
-            solver; it takes less than as long again.
+            Whether to estimate the numerical errors of the impulses and of the contacts, at a finer resolution; it
+            takes less than as long again.
         progress : callable, optional
             Called now and then with the periods marched, and the most allowed.
 
@@ -123,7 +123,7 @@ class Solver(Protocol):
         """
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with another resolution.
+        """This solver at another resolution.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Solver(Protocol):
         Returns
         -------
         Solver
-            A new solver; all its other options are the same.
+            A new solver, with all other options of this one.
         """
 
 

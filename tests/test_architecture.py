@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,45 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
     for file in files:
         ours = imported_packages(file) & set(ALLOWED)
         assert ours <= ALLOWED[package], f"{file} imports {ours - ALLOWED[package]}"
+
+
+def imported_files(file: Path, known: dict[str, Path]) -> set[Path]:
+    """The files that a file imports anywhere; a name that a package exports is that of the file that defines it."""
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        if isinstance(node, ast.ImportFrom):
+            found |= {home(str(node.module), alias.name, known) for alias in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {known.get(alias.name) for alias in node.names}
+    return {path for path in found if path is not None and path != file}
+
+
+def home(module: str, name: str, known: dict[str, Path]) -> Path | None:
+    """The file in which a name of a module is defined; None if the module is none of ours."""
+    if f"{module}.{name}" in known:
+        return known[f"{module}.{name}"]
+    file = known.get(module)
+    if file is not None and file.name == "__init__.py":
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and name in {alias.name for alias in node.names}:
+                return home(str(node.module), name, known)
+    return file
+
+
+def test_no_imports_go_round_in_a_circle() -> None:
+    """Imports within functions, and for types alone, count; `__init__` files, which only pass names on, do not."""
+    known = {}
+    for package in ALLOWED:
+        for file in (ROOT / package).rglob("*.py"):
+            parts = file.relative_to(ROOT).with_suffix("").parts
+            known[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    files = [file for file in known.values() if file.name != "__init__.py"]
+    order = TopologicalSorter({file: imported_files(file, known) & set(files) for file in files})
+    try:
+        order.prepare()
+    except CycleError as error:
+        circle = " -> ".join(file.relative_to(ROOT).as_posix() for file in error.args[1])
+        pytest.fail(f"imports go round: {circle}")
 
 
 WITNESSES = (

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from lapjoint.answers import series
-from lapjoint.campaigns.format_version import FORMAT_VERSION
+from lapjoint.campaigns.dataset import FORMAT_VERSION
 from lapjoint.problem.problem import SCHEMA_VERSION
 
 ROOT = Path(__file__).resolve().parents[1]

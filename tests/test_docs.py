@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from lapjoint.cli.main import main
+from lapjoint.errors import InputError
+from lapjoint.problem.files import from_toml
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -40,6 +43,49 @@ def test_python_prints_what_stands_below_it(code: str, shown: str, capsys: pytes
     assert capsys.readouterr().out == shown
 
 
+def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = (f"{i / 1000},{i % 3}" for i in range(9))
+    Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
+    page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
+    whole, *other_bases = re.findall(r"^```toml\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    problem = from_toml(whole)
+    assert len(other_bases) == 3
+    for other_base in other_bases:
+        other = from_toml(whole.split("[base_motion]")[0] + other_base)
+        assert other.replace(base_motion=problem.base_motion) == problem
+    assert problem.stop_names == ("tip",)
+
+
+def test_the_session_of_the_page_on_sweeps_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (DOCS / "sweeps.md").read_text(encoding="utf-8")
+    (session,) = re.findall(r"^```pycon\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    *lines, last = re.findall(r"^>>> (.*)$", session, re.MULTILINE)
+    names: dict[str, object] = {}
+    for line in lines:
+        exec(line, names)
+    assert "impulse" in str(eval(last, names))
+
+
+def test_every_dependency_is_explained() -> None:
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[1]
+    extras = [one for group in project["optional-dependencies"].values() for one in group]
+    names = {re.split(r"[<>=\[;~ ]", one)[0] for one in [*project["dependencies"], *extras]} - {"lapjoint"}
+    assert {name for name in names if name not in table} <= {"pytest-xdist"}  # "pytest" is
+
+
+def test_the_layout_names_every_folder_two_levels_deep() -> None:
+    root = DOCS.parent
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[0]
+    named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
+    tops = {path.split("/")[0] for path in named}
+    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
+    inner = {path for top in tops for path in (root / top).iterdir() if any(path.rglob("*.py"))}
+    assert named == tops | {path.relative_to(root).as_posix() for path in inner}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
 def test_links_between_pages_lead_somewhere(page: Path) -> None:
     for link in re.findall(r"\]\(([^)]+)\)", page.read_text(encoding="utf-8")):
@@ -54,7 +100,7 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
-BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md")]
+BESIDE = [DOCS.parent / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")]
 
 
 @pytest.mark.parametrize("page", [*PAGES, *BESIDE], ids=lambda page: page.name)
@@ -92,6 +138,29 @@ def test_every_fence_and_formula_is_closed() -> None:
         assert re.sub(r"```.*?```|`[^`]*`", "", text, flags=re.DOTALL).count("$") % 2 == 0
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("title", "masses = []\ntitle"),
+        ("title", "gravity = 9.81\ntitle"),
+        ("title", "links = []\ntitle"),
+        ("[beam]", "[[beam]]"),
+        ("450.0 ", "[450.0, 900.0]"),
+        ("gap = 1e-3", "gap = -1e-3"),
+        ("gap = 1e-3", "gap = 1e-3\ndamping = 3.0"),
+        ("gap = 1e-3", "gap = 1e-3\nfriction = 0.3"),
+    ],
+)
+def test_what_a_problem_cannot_say_is_refused(old: str, new: str) -> None:
+    """The page of limitations promises a message; a key that comes to mean something changes that page."""
+    assert "An unknown key" in (DOCS / "limitations.md").read_text(encoding="utf-8")
+    page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
+    problem = re.findall(r"^```toml\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)[0]
+    assert from_toml(problem)
+    with pytest.raises(InputError):
+        from_toml(problem.replace(old, new, 1))
+
+
 CONSOLE = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SHAKER = (DOCS / "from-a-shaker.md").read_text(encoding="utf-8")
 ROW = re.compile(r"[-+.\de]*\d[-+.\de]*\*?")
@@ -110,7 +179,7 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
     shown_rows = re.findall(r"^[-\d.]+;.*$", SHAKER, re.MULTILINE)
     assert Path("shaker.csv").read_text(encoding="utf-8").splitlines()[2:4] == shown_rows
     (block,) = CONSOLE.findall(SHAKER)
-    line, _, shown = block.removeprefix("$ lapjoint ").partition("\n")
+    line, _, shown = block.replace("\\\n", "").removeprefix("$ lapjoint ").partition("\n")
     result = CliRunner().invoke(main, shlex.split(line))
     assert result.exit_code == 0, result.output
     both = ([row for row in text.splitlines() if "*" not in row] for text in (shown, result.stdout))
@@ -124,10 +193,12 @@ def test_the_page_of_the_shaker_prints_its_table(tmp_path: Path, monkeypatch: py
 
 
 ALL_PAGES = {name_of(page): page for page in PAGES} | {page.name: page for page in BESIDE}
+LONGEST = 92
+"""Letters of a line of a terminal that the site shows without scrolling, at the width of a laptop."""
 SHOWN = [
     pytest.param(line.partition(" #")[0].strip().removesuffix("&").strip(), id=f"{name}: {line[:50].strip()}")
     for name, page in ALL_PAGES.items()
-    for block in CONSOLE.findall(page.read_text(encoding="utf-8"))
+    for block in CONSOLE.findall(page.read_text(encoding="utf-8").replace("\\\n", ""))
     for line in re.findall(r"^\$ ((?:\.venv/bin/)?(?:lapjoint|dask) .*)$", block, re.MULTILINE)
 ]
 
@@ -145,6 +216,13 @@ def test_every_command_that_a_page_shows_has_these_options(line: str) -> None:
     assert command is not None, name
     with command.make_context(name, words, parent=context) as parsed:
         assert parsed.params
+
+
+def test_no_command_is_cut_at_the_margin_of_the_site() -> None:
+    for name, page in ALL_PAGES.items():
+        for block in CONSOLE.findall(page.read_text(encoding="utf-8")):
+            for line in re.findall(r"^(?:\$|   ) .*$", block, re.MULTILINE):
+                assert len(line) <= LONGEST, (name, line)
 
 
 def test_every_option_that_a_page_names_is_one() -> None:

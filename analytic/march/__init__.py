@@ -1,9 +1,10 @@
 """The motion of a joint, state by state: from a section point to where it is some time later.
 
 `loads` and `oscillator` hold the forces and the answer of one mode to them, `modal_state` a contact state in modal
-form, `tables` its flat view, `known_states` the states that a family of problems has met, and `joint` those of one
-problem.  `terms`, `gap_function`, `step_bound`, `segment`, `deepest`, `switching`, `compiled` and `carried`
-are the compiled march, from the inside out.
+form, `tables` its flat view, `known_states` the states that problems of one structure have met, and `joint` the states
+of one problem.  `motion` holds where a march is; `terms`, `gap_function`, `step_bound`, `segment`, `deepest`,
+`switching`, `compiled` and `carried` are the compiled march, from the inside out, of which `ramps` and `ramp_segment`
+are the part for sampled loads.
 `arcs` follows a motion with a given contact sequence, whatever the gaps do, with `mean_rates` for its equations.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
 `field` and `contacts` make a History of it; `initial_state` gives states to start from.

@@ -6,13 +6,13 @@ With the answer f(t) of the modes to the harmonics the deviations of its start a
     dy = w + f'(t) dt,    dt_i = dd_0 + ... + dd_(i-1),
 
 where w is what travels as the free motion does.  At the end the duration of the arc adds the rate of the motion, which
-is f'(t) and the rate of all the rest.  After the passage y_new = S y + b(t) the deviation is S dy + b'(t) dt, so that
+is f'(t) and the rate of the free motion.  After the passage y_new = S y + b(t) the deviation is S dy + b'(t) dt, and
 
     w_new = S w + (S f_old' + b' - f_new') dt
 
-with one vector in the bracket for all durations before.  With a number of the problem that changes the harmonics,
-while times keep their ratios to the excitation period, so that phases theta stay, one more w is carried likewise: its
-dy = w + df, with the change df of the answer at the same phases.
+with one vector in the bracket for all durations before.  A parameter of the problem may change the harmonics while
+times keep their ratios to the excitation period, so that the phases theta stay.  Its deviation is one more w, with
+dy = w + df, where df is the change of the answer at fixed phases.
 """
 
 from __future__ import annotations
@@ -42,15 +42,13 @@ from lapjoint.orbits.arcs import Chain, ContactSequence
 from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem
 
-_ROUTES = 256
-"""Number of contact sequences whose routes are kept, those of a curve or two; each takes a kilobyte."""
-
-
+_SEQUENCES = 256
+"""Number of contact sequences kept in flat form, those of a curve or two; each takes a kilobyte."""
 _NO_CHANGE = Change(0.0, np.zeros(0))
-"""That of no number."""
+"""No parameter changes the harmonics."""
 
 
-class _Route(NamedTuple):
+class _FlatSequence(NamedTuple):
     """A contact sequence as compiled functions take it: ``M`` events between ``M + 1`` arcs; not to be written to."""
 
     slot: IntArray
@@ -58,7 +56,7 @@ class _Route(NamedTuple):
     stop: IntArray
     """The stop that switches at each event, shape ``(M,)``."""
     returning: BoolArray
-    """Whether it is the stop of the event before, shape ``(M,)``."""
+    """Whether each event is of the stop of the event before, shape ``(M,)``."""
 
 
 @dataclass(frozen=True)
@@ -85,11 +83,11 @@ class JointArcs:
         number: str | None = None,
     ) -> Chain:
         """Follow the arcs of a contact sequence. See `lapjoint.orbits.arcs.Arcs.chain`."""
-        route = self._route(sequence)
-        tables, arcs, n = self.joint.tables, route.slot.size, start.size
+        flat = self._flat(sequence)
+        tables, arcs, n = self.joint.tables, flat.slot.size, start.size
         rows, times, events = np.empty((arcs + 1, 2 * tables.kind.shape[1])), np.empty(arcs), np.empty(arcs - 1)
         rows[0, :n] = start
-        sizes = 2 * tables.modes[route.slot]
+        sizes = 2 * tables.modes[flat.slot]
         known = self.joint.change_by(number) if derivatives and number is not None else None
         change = _NO_CHANGE if known is None else Change(known.frequency, known.sizes)
         own = int(known is not None)
@@ -98,7 +96,7 @@ class JointArcs:
         _chain(
             tables,
             change,
-            *route,
+            *flat,
             float(time),
             np.ascontiguousarray(durations, dtype=float),
             rows,
@@ -116,9 +114,9 @@ class JointArcs:
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The displacement at the stops as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
-        route = self._route(sequence)
+        flat = self._flat(sequence)
         tables = self.joint.tables
-        M, U, K = route.slot.size, tables.forced.shape[1], int(tables.terms[route.slot].max()) + tables.omega.size
+        M, U, K = flat.slot.size, tables.forced.shape[1], int(tables.terms[flat.slot].max()) + tables.omega.size
         rows = np.zeros((M, 2 * tables.kind.shape[1]))
         for row, start in zip(rows, chain.starts, strict=True):
             row[: start.size] = start
@@ -129,9 +127,9 @@ class JointArcs:
             amplitudes=np.zeros((M, K), dtype=complex),
             weights=np.zeros((M, U, K), dtype=complex),
             polynomial=np.empty((M, U, 3)),
-            orientation=np.where(tables.closed[route.slot], -1.0, 1.0),
+            orientation=np.where(tables.closed[flat.slot], -1.0, 1.0),
         )
-        _write_motion(tables, route.slot, chain.times, rows, motion)
+        _write_motion(tables, flat.slot, chain.times, rows, motion)
         return motion
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:
@@ -151,31 +149,32 @@ class JointArcs:
         n = self.joint.count(state)
         return np.repeat([1.0, self.period / (2 * math.pi)], n)
 
-    def _route(self, sequence: ContactSequence) -> _Route:
-        """The slots of a sequence, of which every switch is made known."""
-        found, joint = _known_route(self.joint.known, sequence), self.joint
+    def _flat(self, sequence: ContactSequence) -> _FlatSequence:
+        """A sequence in flat form; every switch in it is made known to the tables."""
+        found, joint = _known_sequence(self.joint.known, sequence), self.joint
         if found is not None:
             return found
         slots = [joint.slot(state) for state in sequence.states]
         for slot, stop in zip(slots[:-1], sequence.stops, strict=True):
             if joint.tables.next_slot[slot, stop] < 0:
                 joint.connect(slot, stop)
-        return _route(slots, sequence)
+        return _flattened(slots, sequence)
 
 
-@lru_cache(maxsize=_ROUTES)
-def _known_route(known: KnownStates, sequence: ContactSequence) -> _Route | None:
-    """The slots of a sequence in tables that begin with known states; None if one of its switches is not known."""
+@lru_cache(maxsize=_SEQUENCES)
+def _known_sequence(known: KnownStates, sequence: ContactSequence) -> _FlatSequence | None:
+    """A sequence in flat form, in tables that begin with known states; None if one of its switches is unknown."""
     states, stops = sequence.states, sequence.stops
     switches = {(new if stop in old else old, stop) for old, new, stop in zip(states, states[1:], stops, strict=False)}
     if sequence.first not in known.slots or not switches.issubset(known.switches):
         return None
-    return _route([known.slots[state] for state in states], sequence)
+    return _flattened([known.slots[state] for state in states], sequence)
 
 
-def _route(slots: list[int], sequence: ContactSequence) -> _Route:
+def _flattened(slots: list[int], sequence: ContactSequence) -> _FlatSequence:
+    """A sequence of contact states in these slots, in flat form."""
     stops, returning = np.array(sequence.stops, dtype=np.int64), np.array(sequence.returning, dtype=np.bool_)
-    return _Route(np.array(slots, dtype=np.int64), stops, returning)
+    return _FlatSequence(np.array(slots, dtype=np.int64), stops, returning)
 
 
 @njit_called(vectorised=True)
@@ -193,28 +192,14 @@ def _chain(
     end_by: FloatArray,
     events_by: FloatArray,
 ) -> None:
-    """Follow ``M + 1`` arcs.
+    """Follow ``M + 1`` arcs from the time `time`, s; `slots`, `stops` and `returning` are as `_FlatSequence` has them.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    change : Change
-        How its harmonics change with a number; of no harmonic, if the derivative by a number is not asked for.
-    slots, stops, returning : ndarray
-        As `_Route` has them.
-    time : float
-        When the first arc begins, s.
-    durations : FloatArray, shape (M + 1,)
-        How long each arc lasts, s.
-    rows : FloatArray, shape (M + 2, 2 N)
-        Has (q, v) at the first start; takes those at each start, and at the end, each as its state has modes.
-    times : FloatArray, shape (M + 1,)
-        Takes when each arc begins, s.
-    events : FloatArray, shape (M,)
-        Takes the left sides of the equations, m or m/s.
-    end_by, events_by : FloatArray, shape (2 N_end, n + M + 1) and (M, n + M + 1)
-        Take the derivatives, in the first column that by the number if it is asked for; without columns, none is.
+    `change` says how the harmonics change with a parameter; without a harmonic, no derivative by a parameter is found.
+    `durations`, s, ``(M + 1,)``, is how long each arc lasts.  `rows`, ``(M + 2, 2 N)``, has (q, v), kg^1/2 m and kg^1/2
+    m/s, at the first start, and takes those at each start and at the end, each in the modes of its state.  `times`, s,
+    ``(M + 1,)``, takes when each arc begins; `events`, m or m/s, ``(M,)``, the left sides of the equations.  `end_by`,
+    ``(2 N_end, n + M + 1)``, and `events_by`, ``(M, n + M + 1)``, take the derivatives, with the one by the parameter,
+    if it is asked for, in the first column; without columns no derivative is found.
     """
     most, arcs, carried, own = tables.kind.shape[1], slots.size, end_by.shape[1] > 0, min(change.size.size, 1)
     n = max(end_by.shape[1] - arcs, 0)
@@ -288,21 +273,21 @@ def _chain(
 
 @njit_inner()
 def _read(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
-    """Read displacements and velocities of `n` modes that follow each other."""
+    """Read `q` and `v` of `n` modes from `row`, where the velocities follow the displacements."""
     for i in range(n):
         q[i], v[i] = row[i], row[n + i]
 
 
 @njit_inner()
 def _write(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
-    """Write displacements and velocities of `n` modes, one after the other."""
+    """Write `q` and `v` of `n` modes to `row`, the velocities after the displacements."""
     for i in range(n):
         row[i], row[n + i] = q[i], v[i]
 
 
 @njit_inner()
 def _free_rates(tables: Tables, slot: int, s: float, term: ComplexArray, poly: FloatArray, rates: FloatArray) -> None:
-    """Write d(q, v)/dt, shape ``(2 N,)``, but for the answer to the harmonics; `term` is that of the time `s`."""
+    """Write d(q, v)/dt, ``(2 N,)``, without the forced motion, at the time `s` since the start, of `term`."""
     n = tables.modes[slot]
     for i in range(n):
         rates[i], rates[n + i] = poly[i, 1] + 2 * s * poly[i, 2], 2 * poly[i, 2]
@@ -330,10 +315,9 @@ def _forced_rates(tables: Tables, slot: int, theta: ComplexArray, rates: FloatAr
 def _at_stop(
     tables: Tables, slot: int, u: int, theta: ComplexArray, q: FloatArray, row: FloatArray
 ) -> tuple[float, float]:
-    """The displacement at a position of stops, m, and its derivatives.
+    """Displacement at a position of stops, m, and its rate, m/s, while (q, v) less the forced motion stays.
 
-    `row`, shape ``(2 N,)``, takes those by (q, v), kg^-1/2; the second number is that by time while (q, v) less the
-    answer to the harmonics stays, m/s.
+    `row`, shape ``(2 N,)``, takes the derivatives of the displacement by (q, v), kg^-1/2.
     """
     n = tables.modes[slot]
     z, by_time = tables.constant[slot, u], 0.0
@@ -351,7 +335,7 @@ def _at_stop(
 
 @njit_inner()
 def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, values: FloatArray) -> None:
-    """Write `sign` times the product of a row with deviations, and with dt, 1 in the columns from `n` on."""
+    """Write `sign` times a row's product with deviations `w`, and add `by_time` in the columns from `n` on."""
     for c in range(w.shape[1]):
         values[c] = sign * by_time if c >= n else 0.0
     for j in range(w.shape[0]):
@@ -363,7 +347,7 @@ def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, 
 
 @njit_inner()
 def _passed(tables: Tables, old: int, k: int, theta: ComplexArray, live: int, n: int, there: FloatArray) -> FloatArray:
-    """Deviations w after a stop has switched, of those before, of which modes from `live` on are zero."""
+    """Deviations w after a switch, of the deviations `there` before, which are 0 for modes from `live` on."""
     new = tables.next_slot[old, k]
     n_old, n_new, columns = tables.modes[old], tables.modes[new], there.shape[1]
     row = tables.passage[old, k]
@@ -403,7 +387,7 @@ def _change_of_mean_rate(
     theta: ComplexArray,
     after: ComplexArray,
 ) -> float:
-    """How the harmonics' part of the mean rate at a position of stops changes, while the duration stays."""
+    """Change of the harmonics' part of the mean rate at a position of stops with the parameter, at a fixed duration."""
     total = 0.0
     for h in range(theta.size):
         mean, turning = mean_rate(complex(0.0, tables.omega[h]), d)[0], change.omega * tables.omega[h]
@@ -416,7 +400,7 @@ def _change_of_mean_rate(
 def _add_passage_change(
     tables: Tables, change: Change, changes: ComplexArray, old: int, k: int, theta: ComplexArray, here: FloatArray
 ) -> None:
-    """Add to the first w after a stop has switched S df_old + db - df_new."""
+    """Add S df_old + db - df_new, the parameter's part at a switch, to the first column of `here`."""
     new, row = tables.next_slot[old, k], tables.passage[old, k]
     n_old, n_new = tables.modes[old], tables.modes[new]
     S, onto, before = tables.carry[row], tables.carry_residual[row], zeros(2 * n_old)
@@ -433,20 +417,10 @@ def _add_passage_change(
 
 @njit_called()
 def _write_motion(tables: Tables, slots: IntArray, times: FloatArray, rows: FloatArray, motion: Motion) -> None:
-    """Write the terms of arcs at the positions of the stops.
+    """Write the terms of ``S`` arcs at the positions of the stops to the arrays of `motion`.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slots : IntArray, shape (S,)
-        The contact state of each arc.
-    times : FloatArray, shape (S,)
-        When each begins, s.
-    rows : FloatArray, shape (S, 2 N)
-        (q, v) at its start.
-    motion : Motion
-        Its `rates`, `amplitudes`, `weights` and `polynomial` are written.
+    `slots`, ``(S,)``, holds the contact state of each arc, `times`, s, ``(S,)``, when it begins, and `rows`, ``(S, 2
+    N)``, (q, v), kg^1/2 m and kg^1/2 m/s, then.
     """
     most, theta = tables.kind.shape[1], complex_zeros(tables.omega.size)
     q, v, poly = zeros(most), zeros(most), zeros((most, 3))

@@ -6,21 +6,8 @@ import math
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    MISSING_SWITCH,
-    PENDING,
-    PERIODS,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Motion,
-    Work,
-    enter,
-    leave,
-)
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE, MISSING_SWITCH, STUCK, TOO_MANY, enter, leave
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from lapjoint.compiled.arrays import put, zeros
@@ -29,25 +16,12 @@ from lapjoint.orbits.period_map import LEAST_GROWTH
 from lapjoint.problem import FloatArray
 
 _WITHIN_REACH = 1e100
-"""Size of a deviation that has begun with 1, kg^1/2 m, up to which one switch more leaves its square finite."""
+"""Largest size of a deviation that began with 1, kg^1/2 m: its square stays finite over one switch more."""
 
 
 @njit_called()
 def size_of(deviation: FloatArray, period: float) -> float:
-    """The size of a deviation, |dq| + |dv| period / 2 pi.
-
-    Parameters
-    ----------
-    deviation : FloatArray, shape (2 N, 1)
-        dq, kg^1/2 m, and dv, kg^1/2 m/s.
-    period : float
-        The period of the excitation, s.
-
-    Returns
-    -------
-    float
-        kg^1/2 m.
-    """
+    """The size |dq| + |dv| period / 2 pi, kg^1/2 m, of a deviation (dq, dv), ``(2 N, 1)``; `period` in s."""
     n = deviation.shape[0] // 2
     q, v = 0.0, 0.0
     for i in range(n):
@@ -71,43 +45,21 @@ def advance_periods(
     growth: FloatArray,
     most: int,
 ) -> tuple[int, FloatArray]:
-    """March over `count` periods in all, each from the time 0 as a march of its own, and carry deviations along.
+    """March until `count` periods are done, each from the time 0 as a march of its own, and carry deviations along.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    motion : Motion
-        Where the march is, with its time counted from the start of the period; changed in place.
-    work : Work
-        Scratch arrays.
-    period : float
-        The period, s.
-    count : int
-        Number of periods.
-    penetration : ndarray, shape (rows, P)
-        Each stop's penetration over time in each period, m s; what does not fit is added to the last row.
-    slots : ndarray, shape (count,) or (0,)
-        Takes the state at the end of each period, if it has room at all.
-    sections : ndarray, shape (count, 2, N) or (0, 2, N)
-        Takes q, kg^1/2 m, and v, kg^1/2 m/s, there.
-    now : FloatArray, shape (2 N, m)
-        Deviations (dq, dv) at the time of `motion`, before a pending switch, kg^1/2 m and kg^1/2 m/s, as columns, if
-        there are any; changed in place.
-    level : FloatArray, shape (P, m)
-        At which level each stop switches next with these, m; changed in place, and anything at the start of a period.
-    growth : FloatArray, shape (count,) or (0,)
-        If it has room, the natural logarithm of the growth of the one deviation in each period, without unit, is added
-        to it; the deviation is scaled to a size of 1 kg^1/2 m at the end of each period.
-    most : int
-        Most switches in all.
+    `motion` is where the march is, with its time counted from the start of the period; it is changed in place.  `most`
+    is the most switches in all.  `period` is in s.  `penetration`, m s, ``(rows, P)``, takes each stop's penetration
+    over time in each period; what does not fit is added to the last row.  `slots`, ``(count,)`` or ``(0,)``, takes the
+    state at the end of each period if it has room, and `sections`, ``(count, 2, N)`` or ``(0, 2, N)``, takes q, kg^1/2
+    m, and v, kg^1/2 m/s, there.
 
-    Returns
-    -------
-    status : int
-        Why it came back; see `analytic.march.compiled.DONE`.
-    now : FloatArray, shape (2 N, m)
-        The deviations then, of the ``N`` modes of the state then.
+    `now`, ``(2 N, m)``, holds deviations (dq, dv) as columns at the time of `motion`, before a pending switch, kg^1/2 m
+    and kg^1/2 m/s; it may have no column, and is changed in place.  `level`, m, ``(P, m)``, says at which level each
+    stop switches next with these deviations; it is changed in place, and may be anything at the start of a period.  If
+    `growth`, ``(count,)`` or ``(0,)``, has room, the logarithm of the growth of the one deviation in each period is
+    added to it, and the deviation is scaled to a size of 1 kg^1/2 m at the end of each period.
+
+    Returned are the reason to come back, see `analytic.march.compiled.DONE`, and the deviations, ``(2 N, m)``, then.
     """
     carried, depth = now.shape[1] > 0, bool(np.bool_(False))
     q_old, v_old = motion.q.copy(), motion.v.copy()
@@ -151,7 +103,7 @@ def advance_periods(
 def _keep_within_reach(deviation: FloatArray, level: FloatArray, period: float) -> float:
     """Scale a deviation, ``(2 N, 1)``, and its levels, ``(P, 1)``, whose size nears the ends of double precision.
 
-    It is scaled to a size of 1 kg^1/2 m, in place; the logarithm of what it was divided by is returned.
+    The deviation is scaled to a size of 1 kg^1/2 m, in place; the logarithm of the divisor is returned.
     """
     size = size_of(deviation, period)
     if size < LEAST_GROWTH or (1 / _WITHIN_REACH < size and size < _WITHIN_REACH):
@@ -165,7 +117,7 @@ def _keep_within_reach(deviation: FloatArray, level: FloatArray, period: float) 
 def _rescale(deviation: FloatArray, period: float) -> float:
     """Scale a deviation, ``(2 N, 1)``, to a size of 1 kg^1/2 m, in place; the logarithm of its size is returned.
 
-    One that has all but vanished has lost its direction, and any other goes on in its place.
+    A deviation that has all but vanished has lost its direction, and any other goes on in its place.
     """
     size = size_of(deviation, period)
     found = max(size, LEAST_GROWTH)
@@ -178,7 +130,7 @@ def _rescale(deviation: FloatArray, period: float) -> float:
 
 @njit_inner()
 def _next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period at the time 0; the penetrations over time of the ended one, m s, are added to ``(P,)``."""
+    """Begin a period at the time 0, and add the old one's penetrations over time to `penetration`, m s, ``(P,)``."""
     for k in range(motion.total.size):
         penetration[k] += motion.total[k]
         motion.total[k] = 0.0

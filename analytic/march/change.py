@@ -1,4 +1,4 @@
-r"""How the forced motion of a joint changes with a number of its excitation, at phases that stay.
+r"""How the forced motion of a joint changes with a parameter of its excitation, at fixed phases.
 
 With the answer to the harmonics Im sum_h A_h exp(i theta_h) the displacements change by Im sum_h dA_h exp(i theta_h),
 and the velocities by what the frequencies do to their factors Omega_h besides.
@@ -19,30 +19,17 @@ from lapjoint.problem import FloatArray
 
 @by_reference
 class Change(NamedTuple):
-    """Derivatives of the logarithms of frequencies and sizes of a joint's ``H`` harmonics, over the number's unit."""
+    """Derivatives of the logarithms of frequencies and sizes of a joint's ``H`` harmonics, per unit of a parameter."""
 
     omega: float
-    """Of all angular frequencies."""
+    """Derivative of the logarithm of all angular frequencies."""
     size: FloatArray
-    """Of the size of each, shape ``(H,)``."""
+    """Derivative of the logarithm of the size of each harmonic, shape ``(H,)``."""
 
 
 @njit_inner()
 def changes_of_answers(tables: Tables, change: Change, slots: IntArray) -> ComplexArray:
-    """How the answers of modes to the harmonics change, in the states of a march.
-
-    Parameters
-    ----------
-    tables, change : Tables, Change
-        The states of the joint, and how its harmonics change.
-    slots : ndarray, shape (M,)
-        The states that are wanted, in any sequence.
-
-    Returns
-    -------
-    ComplexArray, shape (S, H, N)
-        Derivatives of `Tables.harmonic`, over the unit of the number; of other states zeros.
-    """
+    """Derivatives of `Tables.harmonic` by the parameter, ``(S, H, N)``, 0 in states not among `slots`, ``(M,)``."""
     changes, done = complex_zeros(tables.harmonic.shape), bool_zeros(tables.modes.size)
     for slot in slots:
         if done[slot]:
@@ -76,22 +63,10 @@ def add_forced_change(
     factor: float,
     now: FloatArray,
 ) -> None:
-    """Add the change of the forced motion, times a factor, to a deviation, in place.
+    """Add the change of the forced motion, times `factor`, to the deviation `now`, ``(2 N,)``, in place.
 
-    Parameters
-    ----------
-    tables, change : Tables, Change
-        The states of the joint, and how its harmonics change.
-    changes : ComplexArray, shape (S, H, N)
-        `changes_of_answers`.
-    slot : int
-        The state.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit.
-    factor : float
-        Without unit.
-    now : FloatArray, shape (2 N,)
-        A deviation (dq, dv), kg^1/2 m and kg^1/2 m/s over the unit of the number.
+    `changes`, ``(S, H, N)``, are `changes_of_answers`, and `theta`, ``(H,)``, is exp(i theta_h).  The deviation (dq,
+    dv) is in kg^1/2 m and kg^1/2 m/s per unit of the parameter.
     """
     n = tables.modes[slot]
     for h in range(theta.size):
@@ -105,21 +80,9 @@ def add_forced_change(
 
 @njit_inner()
 def forced_change(tables: Tables, change: Change, changes: ComplexArray, slot: int, u: int, h: int) -> complex:
-    """Derivative of the complex amplitude of the forced motion at a position of stops, by a harmonic.
+    """Derivative by the parameter of the forced motion's complex amplitude, m, at position `u` for harmonic `h`.
 
-    Parameters
-    ----------
-    tables, change : Tables, Change
-        The states of the joint, and how its harmonics change.
-    changes : ComplexArray, shape (S, H, N)
-        `changes_of_answers`.
-    slot, u, h : int
-        The state, the position, and the harmonic.
-
-    Returns
-    -------
-    complex
-        m over the number's unit.
+    `changes`, ``(S, H, N)``, are `changes_of_answers`.
     """
     total: complex = tables.forced[slot, u, h] * change.size[h]
     for i in range(tables.modes[slot]):

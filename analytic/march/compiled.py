@@ -2,238 +2,37 @@
 
 `advance` marches to a given time, `analytic.march.carried.advance_periods` over whole periods, each as a march of its
 own.  Both come back when they need something of Python: a switch that the tables do not know yet, or room in the log.
-What they have done so far is in a `Motion`, which they change in place, so they are called again with the same
-arguments.
+They change a `Motion` in place, so that a call with the same arguments goes on where the last one came back.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import NamedTuple
-
-import numpy as np
-
-from analytic.march.ramp_segment import carry_ramps, follow_ramps
+from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, SWITCHES, Log, Motion, Work
+from analytic.march.ramp_segment import carry_ramps
 from analytic.march.ramps import RampTables
-from analytic.march.segment import NO_PROGRESS, NO_SWITCH, follow
+from analytic.march.segment import follow
 from analytic.march.switching import Frozen, freeze, switch, switch_frozen
-from analytic.march.tables import BoolArray, IntArray, Tables
-from analytic.march.terms import set_phases, start_terms, state_from_terms, turn_exactly
-from analytic.modes.beam_functions import ComplexArray
+from analytic.march.tables import Tables
+from analytic.march.terms import set_phases
 from lapjoint.compiled.arrays import put
-from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
-from lapjoint.problem import FloatArray
 
 DONE, MISSING_SWITCH, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4
-"""Why a march came back: it is at its end; the tables lack a switch; the log has no room; too many switches; a state
-that took too many steps."""
-SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
-"""What `Motion.counts` holds: the slot; the stop that has yet to switch now, or NO_SWITCH; how many switches were made;
-how many periods are done."""
+"""Why a march came back: it is at its end; the tables lack a switch; the log has no room; there were too many switches;
+a state took too many steps."""
 _FRESH = 1e-6
-"""Of the unit of time: a stop that switched less than this ago must leave its gap, or pass a threshold of rounding
-size, before it can switch again.  A switch is located to 1e-10 of it, and the shortest contacts found in grazing series
-last 5e-4 of it."""
-
-
-@by_reference
-class Log(NamedTuple):
-    """Room for ``M`` segments of a motion, one row each: ``N`` modes, ``P`` stops."""
-
-    slot: IntArray
-    """The state, shape ``(M,)``."""
-    start: FloatArray
-    """When each segment starts, s, shape ``(M,)``."""
-    end: FloatArray
-    """When it ends, s, shape ``(M,)``."""
-    q: FloatArray
-    """Modal displacements at the start, kg^1/2 m, shape ``(M, N)``."""
-    v: FloatArray
-    """Modal velocities at the start, kg^1/2 m/s, shape ``(M, N)``."""
-    q_end: FloatArray
-    """Modal displacements at the end, before the switch, kg^1/2 m, shape ``(M, N)``."""
-    v_end: FloatArray
-    """Modal velocities at the end, before the switch, kg^1/2 m/s, shape ``(M, N)``."""
-    stop: IntArray
-    """The stop that switches at the end, or NO_SWITCH, shape ``(M,)``."""
-    rate: FloatArray
-    """h' of that stop there, m/s, shape ``(M,)``."""
-    area: FloatArray
-    """Time integral of the penetration of each closed stop, m s, shape ``(M, P)``."""
-    deepest: FloatArray
-    """Deepest penetration of each closed stop, m, shape ``(M, P)``."""
-
-
-@by_reference
-class Motion(NamedTuple):
-    """Where a march is, changed in place: ``N`` modes, ``P`` stops."""
-
-    counts: IntArray
-    """Slot, pending stop, switches and periods, shape ``(4,)``; see `SLOT`."""
-    time: FloatArray
-    """The time, s, and h' of the pending stop, m/s, shape ``(2,)``."""
-    q: FloatArray
-    """Modal displacements, kg^1/2 m, shape ``(N,)``."""
-    v: FloatArray
-    """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
-    last_switch: FloatArray
-    """Time of each stop's last switch, or, if that is still to come, until when it may not switch, s, ``(P,)``."""
-    total: FloatArray
-    """Time integral of each stop's penetration, m s, shape ``(P,)``."""
-
-
-@by_reference
-class Work(NamedTuple):
-    """Scratch arrays of a march."""
-
-    theta: ComplexArray
-    """exp(i theta_h), shape ``(H,)``."""
-    term: ComplexArray
-    """c_t exp(lambda_t s) of each term, kg^1/2 m, shape ``(2 N,)``."""
-    poly: FloatArray
-    """Coefficients of 1, s, s^2 of each mode, kg^1/2 m over powers of s, shape ``(N, 3)``."""
-    deepest: FloatArray
-    """Deepest penetration of each closed stop in the last segment, m, shape ``(P,)``."""
-    area: FloatArray
-    """Time integral of its penetration in the last segment, m s, shape ``(P,)``."""
-    fresh: BoolArray
-    """Whether each stop switched just now, shape ``(P,)``."""
-    held: BoolArray
-    """Whether each stop may not switch yet, shape ``(P,)``."""
-
-
-@lru_cache(maxsize=64)
-def no_log(modes: int, stops: int) -> Log:
-    """A log without room, to which nothing is ever written.
-
-    Parameters
-    ----------
-    modes : int
-        Number of modes ``N``.
-    stops : int
-        Number of stops ``P``.
-
-    Returns
-    -------
-    Log
-        With no rows; the same object at every call, as long as it is kept.
-    """
-    return new_log(0, modes, stops)
-
-
-def new_log(rows: int, modes: int, stops: int) -> Log:
-    """Room for a log.
-
-    Parameters
-    ----------
-    rows : int
-        Number of segments ``M`` for which it has room.
-    modes : int
-        Number of modes ``N``.
-    stops : int
-        Number of stops ``P``.
-
-    Returns
-    -------
-    Log
-        Whatever is in it: each row is written as a whole.
-    """
-    return Log(
-        slot=np.empty(rows, dtype=np.int64),
-        start=np.empty(rows),
-        end=np.empty(rows),
-        q=np.empty((rows, modes)),
-        v=np.empty((rows, modes)),
-        q_end=np.empty((rows, modes)),
-        v_end=np.empty((rows, modes)),
-        stop=np.empty(rows, dtype=np.int64),
-        rate=np.empty(rows),
-        area=np.empty((rows, stops)),
-        deepest=np.empty((rows, stops)),
-    )
-
-
-def new_motion(slot: int, start: float, q: FloatArray, v: FloatArray, modes: int, stops: int) -> Motion:
-    """A march at its beginning.  Every stop counts as one that has switched just then.
-
-    Parameters
-    ----------
-    slot : int
-        The state in which it begins.
-    start : float
-        When, s.
-    q, v : FloatArray, shape (n,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of the ``n`` modes of that state.
-    modes : int
-        Number of modes ``N`` for which there is room, at least ``n``.
-    stops : int
-        Number of stops ``P``.
-
-    Returns
-    -------
-    Motion
-        No stop is pending, and no switch and no period is counted.
-    """
-    motion = Motion(
-        counts=np.array([slot, NO_SWITCH, 0, 0], dtype=np.int64),
-        time=np.array([start, 0.0]),
-        q=np.zeros(modes),
-        v=np.zeros(modes),
-        last_switch=np.zeros(stops),
-        total=np.zeros(stops),
-    )
-    motion.q[: q.size], motion.v[: v.size] = q, v
-    motion.last_switch[:] = start
-    return motion
-
-
-def new_work(tables: Tables) -> Work:
-    """Scratch arrays for marches on these tables.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-
-    Returns
-    -------
-    Work
-        Filled with zeros.
-    """
-    modes, stops = tables.kind.shape[1], tables.sign.size
-    return Work(
-        theta=np.zeros(tables.omega.size, dtype=complex),
-        term=np.zeros(2 * modes, dtype=complex),
-        poly=np.zeros((modes, 3)),
-        deepest=np.zeros(stops),
-        area=np.zeros(stops),
-        fresh=np.zeros(stops, dtype=np.bool_),
-        held=np.zeros(stops, dtype=np.bool_),
-    )
+"""Time, over the unit of time, within which a stop that has switched must leave its gap, or pass a threshold of
+rounding size, before it can switch again.  A switch is located to 1e-10 of the unit, and the shortest contacts found in
+grazing series last 5e-4 of it."""
 
 
 @njit_inner()
 def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motion: Motion, work: Work) -> bool:
-    """Let the pending stop switch, if there is one, and write the phases of this moment.
+    """Let the pending stop switch, if there is one, and write the phases of this moment to `work.theta`.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    frozen : Frozen or None
-        The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
-    ramps : RampTables or None
-        The sampled forces, if there are any; see `analytic.march.ramps`.
-    motion : Motion
-        Where the march is; changed in place.
-    work : Work
-        Takes the phases in `theta`.
-
-    Returns
-    -------
-    bool
-        False if the tables do not know that switch; then nothing has switched.
+    `frozen` is the published scheme's frozen shape, None for the present solver's rule, see `analytic.march.switching`;
+    `ramps` are the sampled forces, if there are any, see `analytic.march.ramps`.  `motion` is changed in place.  False
+    means that the tables do not know the switch, and then nothing has switched.
     """
     set_phases(tables, motion.time[0], work.theta)
     slot, stop = motion.counts[SLOT], motion.counts[PENDING]
@@ -264,33 +63,13 @@ def leave(
     shortest: float,
     depth: bool,
 ) -> bool:
-    """Follow the present state to its first switch, which is then pending, or to a given time.
+    """Follow the present state to its first switch, which is then pending, or to the time `end`, s, at the latest.
 
-    It may end between with no stop pending: along ramps at a knot, and where a stop that was held may switch again.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    frozen : Frozen or None
-        The published scheme's frozen shape; None for the present solver's rule; see `analytic.march.switching`.
-    ramps : RampTables or None
-        The sampled forces, if there are any; see `analytic.march.ramps`.
-    motion : Motion
-        Where the march is, with no stop pending; changed in place.
-    work : Work
-        Scratch arrays with the phases of this moment; takes the areas and the deepest penetrations of the segment.
-    end : float
-        The time, s, at which to end at the latest.
-    shortest : float
-        Least time spent in a state, s, unless the march ends before; 0 for none.
-    depth : bool
-        Whether to find the deepest penetrations.  A constant in the call would compile another function.
-
-    Returns
-    -------
-    bool
-        False if the march makes no progress.
+    The state may end between with no stop pending: along ramps at a knot, and where a stop that was held may switch
+    again.  `motion`, with no stop pending, is changed in place.  `work` has the phases of this moment, and takes the
+    areas and the deepest penetrations of the segment, the latter if `depth` is true.  No state but the last ends before
+    it has lasted `shortest`, s; 0 for no such rule.  `depth` is an argument because a constant in the call would
+    compile another function.  False means that the march makes no progress.
     """
     slot, t, last = motion.counts[SLOT], motion.time[0], end
     for k in range(work.fresh.size):
@@ -298,50 +77,11 @@ def leave(
         work.held[k] = t < motion.last_switch[k]
         if work.held[k]:
             end = min(end, motion.last_switch[k])
-    fresh, held = work.fresh, work.held
-    if ramps is not None:
-        q, v, area, deepest = motion.q, motion.v, work.area, work.deepest
-        found = follow_ramps(
-            tables, ramps, slot, t, end, fresh, held, depth, work.theta, work.term, q, v, area, deepest
-        )
-        motion.time[0], motion.counts[PENDING], motion.time[1] = found
-        if motion.time[0] == end < last:
-            ramps.goes_on[0] = False  # the stops that were held are looked at as where a state begins
-        return count_switch(motion, work)
     if frozen is not None:
         freeze(tables, frozen, slot)
-    start_terms(tables, slot, work.theta, motion.q, motion.v, work.term, work.poly)
-    theta, term, poly, area = work.theta, work.term, work.poly, work.area
-    s, which, rate = follow(tables, slot, end - t, fresh, held, depth, theta, term, poly, area, work.deepest)
-    if which == NO_PROGRESS:
-        motion.time[0] = t + s
-        return False
-    wait = min(shortest, end - t) - s
-    if which != NO_SWITCH and wait > 0:
-        turn_exactly(tables.root[slot], tables.omega, tables.terms[slot], wait, work.term, work.theta)
-        s += wait
-    state_from_terms(tables, slot, work.theta, s, work.term, work.poly, motion.q, motion.v)
-    motion.time[0], motion.time[1] = end if which == NO_SWITCH else t + s, rate
-    motion.counts[PENDING] = which
-    return count_switch(motion, work)
-
-
-@njit_inner()
-def count_switch(motion: Motion, work: Work) -> bool:
-    """Count the pending stop, and add the areas of the segment to the totals.
-
-    Parameters
-    ----------
-    motion : Motion
-        Where the march is; changed in place.
-    work : Work
-        With the areas.
-
-    Returns
-    -------
-    bool
-        False if the march makes no progress.
-    """
+    follow(tables, ramps, motion, work, end, shortest, depth)
+    if ramps is not None and motion.time[0] == end < last:
+        ramps.goes_on[0] = False  # the stops that were held are looked at as where a state begins
     if motion.counts[PENDING] == NO_PROGRESS:
         motion.counts[PENDING] = NO_SWITCH
         return False
@@ -365,35 +105,11 @@ def advance(
     shortest: float,
     most: int,
 ) -> tuple[int, int]:
-    """March to the time `end`, switching from state to state.
+    """March to the time `end`, s, switching from state to state; `motion` is changed in place.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    frozen : Frozen or None
-        The published scheme's frozen shape; None for the present solver's rule.
-    ramps : RampTables or None
-        The sampled forces, if there are any.
-    motion : Motion
-        Where the march is; changed in place.
-    work : Work
-        Scratch arrays.
-    end : float
-        When the march ends, s.
-    log : Log
-        Takes every segment, if it has room at all.
-    depth : bool
-        Whether to find the deepest penetrations.
-    shortest : float
-        Least time spent in a state, s; 0 for none.
-    most : int
-        Most switches in all, those that `motion` has made before included.
-
-    Returns
-    -------
-    int, int
-        Why it came back, see `DONE`, and the number of segments logged.
+    `log` takes every segment, if it has room at all.  `most` is the most switches in all, those that `motion` has made
+    before included.  The other arguments are as in `enter` and `leave`.  Returned are the reason to come back, see
+    `DONE`, and the number of segments logged.
     """
     room, logged = log.slot.size, 0
     while True:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.joint import Joint
+from analytic.march.motion import Log
 from analytic.march.tables import BoolArray, IntArray
 from lapjoint.answers import Contact
 from lapjoint.compiled.arrays import bool_zeros, int_zeros, zeros
@@ -14,20 +14,7 @@ from lapjoint.problem import FloatArray
 
 
 def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
-    """All contacts of a motion that was marched with `depth`.
-
-    Parameters
-    ----------
-    joint : Joint
-        What moves.
-    log : Log
-        The segments of the motion.
-
-    Returns
-    -------
-    tuple of Contact
-        By start time.
-    """
+    """All contacts, by start time, of a motion that was marched with `depth`."""
     stops, closed = joint.problem.stops, joint.tables.closed[log.slot[0]]
     stop, rows, open_at, area, deepest = find_contacts(closed, log.stop, log.area, log.deepest)
     start, end = log.start[rows[:, 0]], log.end[rows[:, 1]]
@@ -42,29 +29,12 @@ def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
 def find_contacts(
     closed: BoolArray, stop: IntArray, area: FloatArray, deepest: FloatArray
 ) -> tuple[IntArray, IntArray, BoolArray, FloatArray, FloatArray]:
-    """The contacts in a log of ``M`` segments, in the order of their ends.
+    """The ``C`` contacts in a log of ``M`` segments, in the order of their ends.
 
-    Parameters
-    ----------
-    closed : BoolArray, shape (P,)
-        Whether each stop is closed in the first segment.
-    stop : IntArray, shape (M,)
-        The stop that switches at the end of each segment, negative for none.
-    area : FloatArray, shape (M, P)
-        Time integral of the penetration of each closed stop, m s.
-    deepest : FloatArray, shape (M, P)
-        Deepest penetration of each, m.
-
-    Returns
-    -------
-    IntArray, shape (C,)
-        The stop of each contact.
-    IntArray, shape (C, 2)
-        Its first and its last segment.
-    BoolArray, shape (C, 2)
-        Whether it was there at the start already, and is there at the end still.
-    FloatArray, FloatArray, each of shape (C,)
-        Its area, m s, and its deepest penetration, m.
+    `closed`, ``(P,)``, says which stops are closed in the first segment; `stop`, ``(M,)``, which one switches at the
+    end of each segment, negative for none; `area`, m s, and `deepest`, m, ``(M, P)``, are as in `Log`.  Returned are
+    the stop of each contact, ``(C,)``; its first and last segment, ``(C, 2)``; whether it was there at the start
+    already and is there at the end still, ``(C, 2)``; and its area, m s, and deepest penetration, m, ``(C,)``.
     """
     stops, room = closed.size, stop.size + closed.size
     which, rows, open_at = int_zeros(room), int_zeros((room, 2)), bool_zeros((room, 2))

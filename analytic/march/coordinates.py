@@ -28,16 +28,5 @@ class Coordinates:
         return np.concatenate([self.q, self.v])
 
     def moved(self, y: FloatArray) -> Coordinates:
-        """The same contact state with other coordinates.
-
-        Parameters
-        ----------
-        y : FloatArray, shape (2 N,)
-            q, kg^1/2 m, and v, kg^1/2 m/s, in one array; it is copied.
-
-        Returns
-        -------
-        Coordinates
-            In that state.
-        """
+        """A motion in this contact state with the coordinates (q, v) of `y`, shape ``(2 N,)``, which are copied."""
         return Coordinates(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())

@@ -25,9 +25,9 @@ from lapjoint.compiled.arrays import zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
-_SHARP = 1e-12  # of the deepest penetration so far, without unit: by so little a maximum may be missed
-_SHORTEST = 1e-4  # rad: of the fastest mode's turn, the least step; the penetration changes by 5e-9 of that mode's part
-_TINY = 1e-300  # keeps a bound of 0 from being divided by
+_SHARP = 1e-12  # largest error of the maximum, relative to the deepest penetration so far
+_SHORTEST = 1e-4  # rad: least turn of the fastest mode in a step; 5e-9 of that mode's part of the penetration
+_TINY = 1e-300  # m or 1/s: keeps divisions by a bound of 0 finite
 
 
 @njit_inner()
@@ -43,35 +43,12 @@ def deepest_of(
     so_far: float,
     goes_on: bool,
 ) -> float:
-    """The deepest penetration of one closed stop while one closed form holds, or before.
+    """The deepest penetration of stop `k`, m, while one closed form holds, or `so_far`, m, if that is more.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    k : int
-        The stop.
-    duration : float
-        How long the closed form holds, s.
-    theta0 : ComplexArray, shape (H,)
-        exp(i theta_h) at its start, without unit.
-    term0 : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m, at its start.
-    drift : FloatArray, shape (U, 3)
-        The coefficients of 1, s, s^2 of z, m over powers of s.
-    rigid : Rigid or None
-        What rigid-body modes add to it under forces that are linear in time.
-    so_far : float
-        The deepest before, m.
-    goes_on : bool
-        Whether another closed form follows, of which the start is looked at: then the end of this one need not be.
-
-    Returns
-    -------
-    float
-        m; 0 where the stop was not pressed.
+    The closed form lasts `duration`, s, from phases `theta0`, ``(H,)``, and terms `term0`, kg^1/2 m, ``(T,)``.
+    `drift`, ``(U, 3)``, holds the coefficients of 1, s, s^2 of z, m over powers of s; `rigid` is what rigid-body modes
+    add under forces that are linear in time.  `goes_on` says that another closed form follows: its start is looked at,
+    and the end of this one need not be.
     """
     u, sign, terms = tables.position[k], tables.sign[k], tables.terms[slot]
     root, weight, forced = tables.root[slot], tables.weight[slot, u], tables.forced[slot]

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.contacts import contacts_of
 from analytic.march.joint import Joint
+from analytic.march.motion import Log
 from analytic.march.ramp_segment import coordinates_on_ramps
 from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray
@@ -21,11 +21,11 @@ from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
-_AT_ONCE = 2**20  # numbers: coordinates that are held at once, 8 MB for each time derivative
-_LARGEST = 2048  # times in one matrix of terms, so that what is held for them stays below 20 MB with 500 modes
+_AT_ONCE = 2**20  # number of coordinates held at once, 8 MB for each time derivative
+_LARGEST = 2048  # times in one matrix of terms, which keeps it below 20 MB with 500 modes
 
 
-class Part(NamedTuple):
+class TimesInState(NamedTuple):
     """Times at which the motion is in one state, and the modal coordinates then."""
 
     state: ContactState
@@ -40,20 +40,26 @@ class Part(NamedTuple):
 
 
 class _Latest(NamedTuple):
-    """What was evaluated last."""
+    """The motion at the times asked for last."""
 
     t: FloatArray
     """The times, s, shape ``(m,)``."""
-    parts: dict[int, list[Part]]
-    """The parts of the motion by the order of the time derivative."""
+    parts: dict[int, list[TimesInState]]
+    """The motion state by state, by the order of the time derivative."""
+
+
+class _Memory:
+    """The motion at the times asked for last, replaced as a whole, so that threads read times and motion together."""
+
+    latest: _Latest | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class ModalField:
     """z(x, t), m, of (19); see `lapjoint.answers.Field`.  Segments of one contact state are evaluated together.
 
-    The modal coordinates at the times asked for last are kept, so that several places and derivatives cost little more
-    than one.
+    The modal coordinates at the times asked for last are kept, so that several positions and derivatives cost little
+    more than one.
     """
 
     joint: Joint
@@ -68,18 +74,17 @@ class ModalField:
         result = np.empty((x.size, t.size))
         for part in self._parts(t, dt):
             shapes = self.joint.shapes_at(part.state, x, dx)
-            result[:, part.here] = shapes.T @ part.q + self._rest(part, x, t[part.here], dx, dt)
+            result[:, part.here] = shapes.T @ part.q + self.rest(part, x, t[part.here], dx, dt)
         return result
 
     def __getstate__(self) -> dict[str, Any]:
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
-    def _parts(self, t: FloatArray, dt: int) -> list[Part]:
-        """The motion at given times, state by state; taken from the latest where it is that."""
-        latest: _Latest | None = self.__dict__.get("_latest")
+    def _parts(self, t: FloatArray, dt: int) -> list[TimesInState]:
+        """The motion at given times, state by state; from the memory if these times were asked for last."""
+        latest = self._memory.latest
         if latest is None or not np.array_equal(latest.t, t):
-            latest = _Latest(t.copy(), {})
-            self.__dict__["_latest"] = latest
+            latest = self._memory.latest = _Latest(t.copy(), {})
         if dt not in latest.parts:
             which = np.maximum(np.searchsorted(self.log.start, t, side="right") - 1, 0)
             if self._ramps is None:
@@ -88,18 +93,18 @@ class ModalField:
                 latest.parts.update(enumerate(self._on_ramps(self._ramps, which, t)))
         return latest.parts[dt]
 
-    def _in_states(self, which: IntArray, t: FloatArray, dt: int) -> list[Part]:
+    def _in_states(self, which: IntArray, t: FloatArray, dt: int) -> list[TimesInState]:
         """Where no force is sampled: the motion at the times ``(m,)`` in segments ``(m,)``."""
         found, slot_at = [], self.log.slot[which]
         for slot in np.unique(slot_at).tolist():
             everywhere = np.flatnonzero(slot_at == slot)
             for here in np.split(everywhere, range(_LARGEST, everywhere.size, _LARGEST)):
                 q = self._coordinates(slot, which[here], t[here], dt)
-                found.append(Part(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
+                found.append(TimesInState(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
         return found
 
-    def _rest(self, part: Part, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """What the modes leave out of z, or of a derivative of it, at the times of a part, shape ``(n, m)``."""
+    def rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """The part of z, or of its derivative, that the modes leave out, at the times of `part`, shape ``(n, m)``."""
         harmonics = self.joint.harmonics
         omega = harmonics.omega[:, None]
         loads = omega**dt * np.sin(omega * t + harmonics.phase[:, None] + dt * np.pi / 2)
@@ -125,12 +130,17 @@ class ModalField:
         return np.asarray(result)
 
     @cached_property
+    def _memory(self) -> _Memory:
+        """The motion at the times asked for last, which changes no answer."""
+        return _Memory()
+
+    @cached_property
     def _ramps(self) -> RampTables | None:
         """What all states of the motion make of the ramps, with the block that it begins in."""
         blocks = self.joint.problem.forces.ramps
         return None if blocks is None else ramp_tables(self.joint, blocks.block_at(float(self.log.start[0])))
 
-    def _on_ramps(self, made: RampTables, which: IntArray, t: FloatArray) -> list[list[Part]]:
+    def _on_ramps(self, made: RampTables, which: IntArray, t: FloatArray) -> list[list[TimesInState]]:
         """The motion and two time derivatives at times ``(m,)`` in segments ``(m,)``, block by block of the ramps."""
         order, log, blocks, first = np.lexsort((t, which)), self.log, self.joint.problem.forces.ramps, 0
         assert blocks is not None
@@ -145,11 +155,11 @@ class ModalField:
             first = here.stop
         force, slope = blocks.at(times)
         loads = np.stack([force, slope, np.zeros_like(force)])
-        parts: list[list[Part]] = [[], [], []]
+        parts: list[list[TimesInState]] = [[], [], []]
         for slot in np.unique(log.slot[at]).tolist():
             state, i, n = self.joint.state_in(slot), np.flatnonzero(log.slot[at] == slot), self.joint.tables.modes[slot]
             for dt in range(3):
-                parts[dt].append(Part(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
+                parts[dt].append(TimesInState(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
         return parts
 
 
@@ -163,23 +173,9 @@ def _forced(amplitude: ComplexArray, theta: ComplexArray, omega: FloatArray, s: 
 
 
 def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) -> History:
-    """A marched motion as a History.
+    """A motion of at least one segment, marched with `depth`, as a History of a solver called `name`.
 
-    Parameters
-    ----------
-    name : str
-        Name and options of the solver.
-    joint : Joint
-        What moves.
-    log : Log
-        The segments of the motion, at least one, marched with `depth`.
-    field : Field, optional
-        z(x, t) of the motion; by default a `ModalField`.
-
-    Returns
-    -------
-    History
-        The motion with its contacts.
+    `field` is z(x, t) of the motion, by default a `ModalField`.
     """
     switched = np.flatnonzero(log.stop[:-1] >= 0)
     states = {slot: joint.state_in(slot) for slot in np.unique(log.slot).tolist()}

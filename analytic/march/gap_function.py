@@ -13,8 +13,8 @@ from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
-_SHORT = 2.0  # of drag times time, without unit: up to it the fading powers are summed as series
-_SERIES = 22  # terms of those: the next is 2^22 4! / 26!, 3e-19 of the first
+_SHORT = 2.0  # drag times time up to which the fading powers are summed as series
+_SERIES = 22  # terms of these series: the next term is 2^22 4! / 26!, 3e-19 of the first
 
 
 class Rigid(NamedTuple):
@@ -35,17 +35,7 @@ class Rigid(NamedTuple):
 def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, float]:
     """exp(-drag s), and its integrals from 0 to s, once to four times: s^n / n! where there is no drag.
 
-    Parameters
-    ----------
-    drag : float
-        1/s, 0 or more.
-    s : float
-        The time, s.
-
-    Returns
-    -------
-    float, float, float, float, float
-        Without unit, s, s^2, s^3 and s^4.
+    `drag`, 1/s, is 0 or more; the integrals are in s, s^2, s^3 and s^4.
     """
     x = drag * s
     if x > _SHORT:
@@ -68,17 +58,7 @@ def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, fl
 
 @njit_inner()
 def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
-    """Add what rigid-body modes contribute to the displacement at the stops beside the polynomial.
-
-    Parameters
-    ----------
-    rigid : Rigid
-        The modes.
-    s : float
-        Time since the polynomial's, s.
-    out : FloatArray, shape (U, 4)
-        z, z', z'' and the bound on |z'''|, m over powers of s; added to.
-    """
+    """Add the rigid-body modes' part beside the polynomial to `out`, ``(U, 4)``, `s` seconds after the start."""
     e0, e1, e2, e3, _ = fading_powers(rigid.drag, s)
     for u in range(out.shape[0]):
         out[u, 0] += rigid.jerk[u] * e3
@@ -91,23 +71,10 @@ def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
 def add_terms(
     weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
 ) -> tuple[float, float, float, float]:
-    """Sum terms at one position.
+    """z, m, z', m/s, z'', m/s^2, and the bound on |z'''|, m/s^3, of the terms from `lo` to before `hi` at one position.
 
-    Parameters
-    ----------
-    weight : FloatArray, shape (T,)
-        The mode of each term there, kg^-1/2.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m.
-    root : ComplexArray, shape (T,)
-        lambda of each term, 1/s.
-    lo, hi : int
-        The first term, and the one after the last.  numba would compile another function for a constant in the call.
-
-    Returns
-    -------
-    float, float, float, float
-        z, m, z', m/s, z'', m/s^2, and the bound on |z'''|, m/s^3.
+    `weight`, ``(T,)``, is the mode of each term there, kg^-1/2, and `root` its lambda, 1/s.  `lo` is a variable because
+    numba would compile another function for a constant in the call.
     """
     z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
     for t in range(lo, hi):
@@ -126,22 +93,10 @@ def add_terms(
 def at_positions(
     forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
 ) -> None:
-    """Write what does not depend on the modal terms.
+    """Write to `out`, ``(U, 4)``, the part of z and its derivatives that does not depend on the modal terms.
 
-    Parameters
-    ----------
-    forced : ComplexArray, shape (U, H)
-        Amplitudes of the forced motion, m.
-    omega : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s.
-    s : float
-        Time since the start of the state, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, now.
-    drift : FloatArray, shape (U, 3)
-        Coefficients of 1, s, s^2 of z, m over powers of s.
-    out : FloatArray, shape (U, 4)
-        Takes z, z', z'' and the bound on |z'''|, m over powers of s.
+    `forced`, ``(U, H)``, holds the amplitudes of the forced motion, m; `omega`, ``(H,)``, rad/s, the frequencies; `s`
+    is the time since the start of the state, s, and `theta`, ``(H,)``, exp(i theta_h) now.
     """
     for u in range(out.shape[0]):
         z, z1, z2 = (

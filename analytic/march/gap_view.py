@@ -1,9 +1,9 @@
 r"""The displacement at the stops along a recorded motion, and along its neighbours, as sums of exponentials.
 
-What `lapjoint.orbits.segments.Segment` asks for: the free terms of the state come first, their weights real and in
-kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the free
-terms alone; what undamped rigid-body modes add to them is the drift.  The times at which segments begin and end move
-too; that is in the deviations, by the saltation matrices of `analytic.march.tangent`.
+Segments are those of `lapjoint.orbits.segments.Segment`: the free terms of the state come first, their weights real and
+in kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the
+free terms alone, and a drift of undamped rigid-body modes.  The times at which segments begin and end move too; the
+saltation matrices of `analytic.march.tangent` put these shifts into the deviations.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.linearised import carried_along
 from analytic.march.march import March
+from analytic.march.motion import Log
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import drift_at_stops, set_phases, start_terms
@@ -26,18 +26,7 @@ from lapjoint.problem import FloatArray
 
 
 def gap_view(motion: March) -> Segments:
-    """The segments of a recorded motion as sums of exponentials.
-
-    Parameters
-    ----------
-    motion : March
-        The motion, recorded.
-
-    Returns
-    -------
-    Segments
-        In the order of time.
-    """
+    """The segments of a recorded motion as sums of exponentials, in the order of time, with deviations."""
     outline, starts = outline_of(motion), carried_along(motion)
     (M, T, _), stops, n = outline.deviations.shape, outline.closed.shape[1], starts.shape[2]
     A, drift = np.empty((M, T, n), dtype=complex), np.zeros((M, stops, 2, n))
@@ -46,18 +35,7 @@ def gap_view(motion: March) -> Segments:
 
 
 def outline_of(motion: March) -> Segments:
-    """The same without deviations.
-
-    Parameters
-    ----------
-    motion : March
-        The motion, recorded.
-
-    Returns
-    -------
-    Segments
-        In the order of time; deviations have no coordinates.
-    """
+    """The segments of a recorded motion as sums of exponentials, without the coordinates of deviations."""
     log, tables = motion.log, motion.joint.tables
     stops, harmonics = tables.sign.size, tables.omega.size
     free = tables.terms[log.slot]
@@ -89,18 +67,10 @@ def _outline(
     amplitudes: ComplexArray,
     polynomial: FloatArray,
 ) -> None:
-    """Write the parts of ``M`` segments.
+    """Write ``M`` segments: of the free terms of their states first, then of the harmonics.
 
-    Parameters
-    ----------
-    tables, log : Tables, Log
-        The states of the joint, and the motion.
-    rates, amplitudes : ComplexArray, shape (M, T + H)
-        Take those of the free terms of its state, and after these of the harmonics.
-    weights : ComplexArray, shape (M, P, T + H)
-        Takes those of the same terms.
-    polynomial : FloatArray, shape (M, P, 3)
-        Takes the coefficients of 1, tau, tau^2.
+    `rates` and `amplitudes` are ``(M, T + H)``, `weights` is ``(M, P, T + H)``, and `polynomial`, ``(M, P, 3)``, takes
+    the coefficients of 1, tau, tau^2, as `lapjoint.orbits.segments.Segment` has them.
     """
     poly, at_positions = zeros((log.q.shape[1], 3)), zeros((tables.weight.shape[1], 3))
     theta = complex_zeros(tables.omega.size)
@@ -126,20 +96,10 @@ def _outline(
 
 @njit_called()
 def _deviations(tables: Tables, slots: IntArray, starts: FloatArray, A: ComplexArray, drift: FloatArray) -> None:
-    """Write what deviations do in ``M`` segments.
+    """Write the parts of deviations in free terms, `A`, ``(M, T, n)``, and in rigid modes, `drift`, ``(M, P, 2, n)``.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slots : IntArray, shape (M,)
-        The state of each segment.
-    starts : FloatArray, shape (M, 2 N, n)
-        `carried_along`.
-    A : ComplexArray, shape (M, T, n)
-        Takes what the deviations do to the free terms, and zeros for terms that a state does not have.
-    drift : FloatArray, shape (M, P, 2, n)
-        Takes what the deviations do to the rigid-body modes.
+    `slots`, ``(M,)``, holds the state of each segment, and `starts`, ``(M, 2 N, n)``, what `carried_along` gives.
+    Terms that a state does not have become 0.
     """
     for i in range(slots.size):
         _deviation_terms(tables, slots[i], starts[i], A[i], drift[i])

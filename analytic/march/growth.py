@@ -1,5 +1,8 @@
-"""Deviations carried along with a march in one compiled call: over one, for Newton's method; over many periods, one
-deviation and its growth, for Lyapunov exponents."""
+"""Deviations carried along with a march in one compiled call.
+
+All deviations over one march serve Newton's method; one deviation and its growth over many periods serve Lyapunov
+exponents.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.carried import advance_periods, size_of
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
+from analytic.march.carried import size_of
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended, next_switches, settle_status
-from analytic.march.periods import Periods
+from analytic.march.march import MOST_SWITCHES, WITH_ALL_AT_ONCE, begun, ended
+from analytic.march.motion import SWITCHES
+from analytic.march.periods import Periods, march_on, room_for
+from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray
 
 
@@ -22,6 +26,10 @@ class Growth(Periods):
 
     penetrations: FloatArray
     """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
+    slots: IntArray
+    """State at the end of each period, as its slot, shape ``(count,)``."""
+    coordinates: FloatArray
+    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``."""
     growth: FloatArray
     """Natural logarithm of the growth of the deviation in each period, at least that of `LEAST_GROWTH`, without unit,
     shape ``(count,)``."""
@@ -32,40 +40,13 @@ class Growth(Periods):
 def march_linearised(
     joint: Joint, begin: Coordinates, end: float, deviations: FloatArray
 ) -> tuple[Coordinates, FloatArray]:
-    """March from the time 0 on, and carry deviations along.
+    """March from the time 0 to `end`, s, and carry deviations, ``(2 N_start, m)``, along; they end as ``(2 N_end, m)``.
 
-    It ends where `march` does, to the bit, but keeps no log.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    end : float
-        When the march ends, s.
-    deviations : FloatArray, shape (2 N_start, m)
-        Deviations (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, as columns.
-
-    Returns
-    -------
-    Coordinates
-        Where the motion ends.
-    FloatArray, shape (2 N_end, m)
-        The deviations there.
-
-    Raises
-    ------
-    SolverError
-        If `MOST_SWITCHES` switches do not suffice, or the march makes no progress.
+    Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  The motion ends where `march` does, to the bit, but no
+    log is kept.
     """
-    motion, work, now, status = begun(joint, begin, 0.0), new_work(joint.tables), deviations.copy(), MISSING_SWITCH
-    total, none = np.zeros((1, motion.total.size)), (np.zeros(0, dtype=np.int64), np.zeros((0, 2, motion.q.size)))
-    level, sizes = np.zeros((motion.total.size, now.shape[1])), np.zeros(0)
-    while status != DONE:
-        most = next_switches(motion, MOST_SWITCHES, WITH_ALL_AT_ONCE)
-        status, now = advance_periods(joint.tables, motion, work, end, 1, total, *none, now, level, sizes, most)
-        settle_status(joint, motion, status, MOST_SWITCHES)
+    motion = begun(joint, begin, 0.0)
+    now = march_on(joint, motion, end, 1, room_for(motion, 1, 0), deviations.copy(), at_once=WITH_ALL_AT_ONCE)
     return ended(joint, motion), now
 
 
@@ -78,44 +59,13 @@ def measure_growth(
     *,
     max_switches: int = MOST_SWITCHES,
 ) -> Growth:
-    """March over whole periods, as `march_periods` does, and carry a deviation along.
+    """March over whole periods, as `march_periods` does, and carry a deviation (dq, dv), ``(2 N_start,)``, along.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    deviation : FloatArray, shape (2 N_start,)
-        (dq, dv) at the start, kg^1/2 m and kg^1/2 m/s, of any size but 0.  It is scaled to unit size,
-        |dq| + |dv| period / 2 pi = 1, at the start and at the end of each period.
-    period : float
-        The period, s.
-    count : int
-        Number of periods.
-    max_switches : int, optional
-        Most switches in all.
-
-    Returns
-    -------
-    Growth
-        The motion, with a section point at the end of every period, and the growth of the deviation.
-
-    Raises
-    ------
-    SolverError
-        If more than `max_switches` switches occur, or the march makes no progress.
+    The deviation, of any size but 0, is scaled to unit size, |dq| + |dv| period / 2 pi = 1 kg^1/2 m, at the start and
+    at the end of each period.  `period` is in s.
     """
-    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
-    penetration, slots = np.zeros((count, motion.total.size)), np.zeros(count, dtype=np.int64)
-    coordinates, growth, status = np.zeros((count, 2, motion.q.size)), np.zeros(count), MISSING_SWITCH
-    now = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
-    level = np.zeros((motion.total.size, 1))
-    while status != DONE:
-        most = next_switches(motion, max_switches)
-        status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, growth, most
-        )
-        settle_status(joint, motion, status, max_switches)
-    march = joint, ended(joint, motion), penetration.sum(axis=0), int(motion.counts[SWITCHES]), slots, coordinates
-    return Growth(*march, penetration, growth, now[:, 0].copy())
+    motion, growth = begun(joint, begin, 0.0), np.zeros(count)
+    record, now = room_for(motion, count, count), deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
+    now = march_on(joint, motion, period, count, record, now, growth, max_switches=max_switches)
+    total, switches = record.penetration.sum(axis=0), int(motion.counts[SWITCHES])
+    return Growth(joint, ended(joint, motion), total, switches, *record, growth, now[:, 0].copy())

@@ -23,28 +23,13 @@ from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, FloatArray, Problem
 
-TOUCHING = 1e-9  # of the gap: a closed stop that has just been touched stays closed; rounding is 1e-13 of it
+TOUCHING = 1e-9  # relative: a closed stop pressed to so little less than its gap stays closed; rounding is 1e-13
 _AS_IT_WAS, _ANOTHER, _NOT_FINITE = 0, 1, 2
-"""What the gaps make of a section point's contact state: the same; another; nothing, as coordinates are not finite."""
+"""Whether the gaps imply the contact state given, or another; or coordinates are not finite."""
 
 
 def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
-    """The initial state in modal coordinates.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    modes : NormalModes
-        ``N`` modes of the contact state at t = 0.
-
-    Returns
-    -------
-    FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m.
-    FloatArray, shape (N,)
-        Modal velocities, kg^1/2 m/s.
-    """
+    """Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, ``(N,)``, of the initial state."""
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
@@ -54,46 +39,18 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
 
 
 def started(joint: Joint) -> Coordinates:
-    """The coordinates of the initial state.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-
-    Returns
-    -------
-    Coordinates
-        In the contact state at t = 0.
-    """
+    """The coordinates of the initial state, in the contact state at t = 0."""
     state, held = starting_state(joint)
     return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes), held)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
-    """A section point found before, whose numbers of modes and gaps may be others than this joint's.
+    """A section point of a joint that may have other numbers of modes and other gaps, as a section point of this joint.
 
-    Modes that the point lacks follow the loads, as they do once free motion has died out; of a closed stop, the gap is
-    a load.  Those that it has too many are left out.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    state : ContactState
-        That of the point, of stops that the joint has.
-    values : FloatArray, shape (2, n)
-        Its modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s.
-
-    Returns
-    -------
-    SectionPoint
-        In the contact state that the gaps of this joint imply, with coordinates of its own.
-
-    Raises
-    ------
-    InputError
-        If a value is not finite.
+    `values`, ``(2, n)``, has its modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, in `state`.  Modes that it
+    lacks follow the loads, as they do once free motion has died out; for a closed stop, the gap is a load.  Modes that
+    it has too many are left out.  The contact state is the one that the gaps of this joint imply.  `InputError` is
+    raised where a value is not finite.
     """
     flat, tables = joint.flat(state), joint.tables
     begin, pressed = np.empty((2, flat.kind.size)), np.empty(flat.closed.size, dtype=np.bool_)
@@ -133,31 +90,12 @@ def _settle(
     pressed: BoolArray,
     side: float,
 ) -> int:
-    """Write the coordinates of a state and the stops that are pressed in them, and say what has become of the state.
+    """Write a state's coordinates to `begin`, ``(2, N)``, and the stops that they press to `pressed`, ``(P,)``.
 
-    Parameters
-    ----------
-    flat : FlatState
-        The state.
-    sizes : FloatArray, shape (1 + H + R,)
-        Factors of the unit loads.
-    omega, phase : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s, and their phases, rad.
-    position, sign, gap : ndarray, shape (P,)
-        Of the stops, as in `analytic.march.tables.Tables`.
-    values : FloatArray, shape (2, n)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of as many modes as there are.
-    begin : FloatArray, shape (2, N)
-        Takes those of the state's modes.
-    pressed : BoolArray, shape (P,)
-        Takes whether each stop is pressed.
-    side : float
-        See `analytic.march.oscillator.away_from_resonance`.
-
-    Returns
-    -------
-    int
-        `_AS_IT_WAS`, `_ANOTHER` or `_NOT_FINITE`.
+    `sizes`, ``(1 + H + R,)``, are the factors of the unit loads; `omega`, rad/s, and `phase`, rad, ``(H,)``, are those
+    of the harmonics; `position`, `sign` and `gap`, ``(P,)``, are those of the stops, as in `Tables`.  `values`, ``(2,
+    n)``, has modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of as many modes as there are.  `side` is as in
+    `analytic.march.oscillator.away_from_resonance`.  Returned is `_AS_IT_WAS`, `_ANOTHER` or `_NOT_FINITE`.
     """
     for row in range(2):
         for i in range(values.shape[1]):
@@ -189,22 +127,7 @@ def _settle(
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
-    """The same motion, at a multiple of the period, in the modes of another contact state.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion is.
-    state : ContactState
-        The state in whose modes it is wanted.
-
-    Returns
-    -------
-    Coordinates
-        In that state; what its modes cannot hold is left out.
-    """
+    """The motion, at a multiple of the period, in the modes of `state`; what they cannot hold is left out."""
     if state == begin.state:
         return begin
     return Coordinates(state, *carried_over(joint, begin.state, state, begin.q, begin.v))
@@ -213,21 +136,10 @@ def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordin
 def carried_over(
     joint: Joint, old: ContactState, new: ContactState, q: FloatArray, v: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Modal coordinates at a multiple of the period, in the modes of another contact state.
+    """Coordinates ``(..., n_old)`` in `old`, at a multiple of the period, in the modes of `new`, ``(..., n_new)``.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    old, new : ContactState
-        The state in whose modes they are given, and the one in whose modes they are wanted.
-    q, v : FloatArray, shape (..., n_old)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, of one motion or of many.
-
-    Returns
-    -------
-    tuple of FloatArray, shape (..., n_new)
-        The same motions in the modes of `new`; what these cannot hold is left out.
+    `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are those of one motion or of many.  What the modes of `new` cannot hold is left
+    out.
     """
     passage, theta, omega = joint.passage(old, new), joint.harmonics.theta(0.0), joint.harmonics.omega
     left_out = np.concatenate([[1.0], np.sin(theta)]) @ passage.residual

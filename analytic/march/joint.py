@@ -1,22 +1,22 @@
 """A joint: one problem with its numbers of modes, and the contact states that motions of it have met.
 
 A state gets a slot in the tables when a motion first reaches it: of the many sets of stops that could be closed, a
-motion meets few.  States that motions of the same family have met before have theirs from the start.  The tables are
-the joint's own, and grow in it only.  Which slot a state has depends on the motions before; what is in the slot does
-not.
+motion meets few.  States that motions of its structure have met before have slots from the start.  The tables belong to
+the joint alone.  Which slot a state has depends on the motions before; what is in the slot does not.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from analytic.march.known_states import KnownStates, memory_of
-from analytic.march.loads import Harmonics, harmonics_of, load_sizes
-from analytic.march.modal_state import ModalState, Passage, family_of, modal_state, passage
+from analytic.march.loads import Excitation, excitation_of
+from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
 from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
@@ -38,225 +38,116 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
-_FEW_PLACES, _KEPT_PLACES = 64, 256
-"""Shapes at few places are kept, up to so many: with 20 modes 3 MB."""
+_FEW_POSITIONS, _MOST_KEPT = 64, 256
+"""Largest number of positions for which shapes are kept, and largest number of shapes kept: 3 MB with 20 modes."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenProblem:
+    """A problem whose structure and excitation are known before it is made."""
+
+    loaded: LoadedStructure
+    excitation: Excitation
+    make: Callable[[], Problem]
+    """Gives the problem; called once, where the problem is asked for."""
+
+    @cached_property
+    def problem(self) -> Problem:
+        """The problem."""
+        return self.make()
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return driven_problem, (self.problem,)
+
+
+def driven_problem(problem: Problem) -> DrivenProblem:
+    """A problem that is made already."""
+    return DrivenProblem(loaded_structure(problem), excitation_of(problem), lambda: problem)
 
 
 class Joint:
     """A problem with numbers of modes in the free state, and in every other.
 
-    One motion at a time: two threads that march take a joint each.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    free_modes, contact_modes : int
-        Modes in the free state, and in every other.
-    side : float
-        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
+    One motion at a time: two threads that march take a joint each.  `side` says to which side of a load's frequency
+    undamped modes are moved, see `analytic.march.oscillator.away_from_resonance`.
     """
 
-    def __init__(self, problem: Problem, free_modes: int, contact_modes: int, side: float = ABOVE) -> None:
-        self.family, self.side = family_of(problem), side
-        self.counts = (free_modes, contact_modes)
-        self.stops, self.sampled = len(problem.stops), len(problem.forces.sampled)
+    def __init__(
+        self, problem: Problem | DrivenProblem, free_modes: int, contact_modes: int, side: float = ABOVE
+    ) -> None:
+        driven = driven_problem(problem) if isinstance(problem, Problem) else problem
+        self._driven, self.loaded, self.side, self.counts = driven, driven.loaded, side, (free_modes, contact_modes)
+        self.harmonics, self.sizes, self.period = (
+            driven.excitation.harmonics,
+            driven.excitation.sizes,
+            driven.excitation.period,
+        )
+        """See `analytic.march.loads.Excitation`."""
+        self.stops, self.sampled = len(self.loaded.problem.stops), self.sizes.size - 1 - self.harmonics.omega.size
         """Numbers of stops, and of sampled loads."""
-        self._memory = memory_of(self.family, self.counts)
-        self.__dict__["problem"] = problem
-        self._drive(None, harmonics_of(problem), load_sizes(problem))
-
-    def _drive(self, problem: Callable[[], Problem] | None, harmonics: Harmonics, sizes: FloatArray) -> None:
-        self._problem, self.harmonics = problem, harmonics
-        self.sizes = sizes
-        """Factors of the unit loads, shape ``(1 + H + R,)``."""
+        self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}
-        self._places: dict[tuple[Any, ...], FloatArray] = {}
-        self.changes: dict[str, ExcitationChange | None] = {}
-        """How the excitation changes with the numbers that have been asked for, by their paths."""
+        self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
+        self._changes: dict[str, ExcitationChange | None] = dict(driven.excitation.changes)
         self.tables: Tables
         self._borrows: bool
         self.known = self._memory.known
         """The states and switches that the tables have from the start, in slots of that order."""
         self._fill_known(self.known)
 
-    def driven(self, problem: Callable[[], Problem], harmonics: Harmonics, sizes: FloatArray) -> Joint:
-        """The same with an excitation of other frequencies and sizes.
-
-        Parameters
-        ----------
-        problem : callable
-            Gives the problem with it; called only where it is asked for.
-        harmonics : Harmonics
-            Its ``H`` harmonics, which act where those of this joint do.
-        sizes : FloatArray, shape (1 + H + R,)
-            Factors of the unit loads; the sampled ones are as here.
-
-        Returns
-        -------
-        Joint
-            A joint of its own.
-        """
-        other = Joint.__new__(Joint)
-        other.family, other.counts, other.stops, other.sampled = self.family, self.counts, self.stops, self.sampled
-        other._memory, other.side = self._memory, self.side
-        other._drive(problem, harmonics, sizes)
-        return other
-
-    @cached_property
+    @property
     def problem(self) -> Problem:
         """The problem."""
-        assert self._problem is not None
-        return self._problem()
+        return self._driven.problem
 
     def change_by(self, field: str) -> ExcitationChange | None:
-        """How the excitation changes with a number of the problem.
-
-        Parameters
-        ----------
-        field : str
-            Path of the number, as `lapjoint.orbits.parameters.excitation_change` takes it.
-
-        Returns
-        -------
-        ExcitationChange, or None
-            None if that is not known.
-        """
-        if field not in self.changes:
-            self.changes[field] = excitation_change(self.problem, field)
-        return self.changes[field]
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What another process needs: the problem, instead of what gives it."""
-        return vars(self) | {"problem": self.problem, "_problem": None}
+        """How the excitation changes with a parameter, by its path, or None if that is not known."""
+        if field not in self._changes:
+            self._changes[field] = excitation_change(self.problem, field)
+        return self._changes[field]
 
     def count(self, state: ContactState) -> int:
-        """Number of modes in a state.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        int
-            The number in the free state, or in every other.
-        """
+        """Number of modes in a state."""
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
-        """One contact state in modal form, for unit loads.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        ModalState
-            With as many modes as the joint has in this state.
-        """
-        return modal_state(self.family, state, self.count(state))
+        """One contact state in modal form, for unit loads."""
+        return modal_state(self.loaded, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
-        """The residual shapes of the loads as they are.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        Residual
-            1 + H + R shapes, m, the one of the constant load first, those of the sampled loads for each unit of load.
-        """
+        """The residual shapes, m, of the 1 + H + R loads as they are: the constant load is first."""
         return self.modal(state).residual.scaled(self.sizes)
 
     def shapes_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """The modes of a state at places.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed, with ``N`` modes.
-        x : FloatArray, shape (n,)
-            Positions, m.
-        dx : int
-            Order of the x-derivative, 0 to 3.
-
-        Returns
-        -------
-        FloatArray, shape (N, n)
-            kg^-1/2 m^-dx; not to be written to.
-        """
+        """The `dx`-th x-derivative of a state's modes at `x`, m, ``(n,)``: kg^-1/2 m^-dx, ``(N, n)``; read only."""
         modes = self.modal(state).modes
-        return self._at_places(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
+        return self._at_positions(("shapes", state, x.tobytes(), dx), lambda: modes.shapes(x, dx), x.size)
 
     def residual_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
-        """The residual shapes of the loads as they are, at places.
+        """The `dx`-th x-derivative of `residual` at `x`, m, ``(n,)``: m^(1 - dx), ``(1 + H + R, n)``; read only."""
+        return self._at_positions(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
 
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-        x : FloatArray, shape (n,)
-            Positions, m.
-        dx : int
-            Order of the x-derivative, 0 to 3.
-
-        Returns
-        -------
-        FloatArray, shape (1 + H + R, n)
-            As `residual`, m^(1 - dx); not to be written to.
-        """
-        return self._at_places(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
-
-    def _at_places(self, key: tuple[Any, ...], make: Callable[[], FloatArray], places: int) -> FloatArray:
-        """What was made for a key before, if that was lately, and of few places."""
-        if places > _FEW_PLACES:
+    def _at_positions(self, key: tuple[Any, ...], make: Callable[[], FloatArray], positions: int) -> FloatArray:
+        """Shapes made for a key before, if they are kept, or made now; shapes at few positions are kept."""
+        if positions > _FEW_POSITIONS:
             return make()
-        found = self._places.get(key)
+        found = self._kept_shapes.get(key)
         if found is None:
-            if len(self._places) >= _KEPT_PLACES:
-                self._places.clear()
-            found = self._places[key] = make()
+            if len(self._kept_shapes) >= _MOST_KEPT:
+                self._kept_shapes.clear()
+            found = self._kept_shapes[key] = make()
         return found
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
-        """The map from one state to another, for the loads as they are.
-
-        Parameters
-        ----------
-        old, new : ContactState
-            From which state to which.
-
-        Returns
-        -------
-        Passage
-            S, without unit, and S0 and Sh, kg^1/2 m.
-        """
-        unit = passage(self.family, old, self.count(old), new, self.count(new))
+        """The map from one state to another, for the loads as they are; S0 and Sh are in kg^1/2 m."""
+        unit = passage(self.loaded, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
     def flat(self, state: ContactState) -> FlatState:
-        """One contact state as flat arrays, for unit loads.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FlatState
-            With as many modes as the joint has in this state; not to be written to.
-        """
+        """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
-            found = self._flat[state] = flat_state(self.family, state, self.count(state))
+            found = self._flat[state] = flat_state(self.loaded, state, self.count(state))
         return found
 
     @property
@@ -265,18 +156,7 @@ class Joint:
         return tuple(self._states)
 
     def slot(self, state: ContactState) -> int:
-        """Where a contact state is in the tables; it is given a slot if it has none.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        int
-            The slot.
-        """
+        """The slot of a contact state in the tables; a state without a slot is given one."""
         if state not in self._slots:
             if len(self._states) == self.tables.modes.size:
                 self._grow(with_spare(len(self._states)), self.tables.carry.shape[0])
@@ -286,47 +166,28 @@ class Joint:
         return self._slots[state]
 
     def state_in(self, slot: int) -> ContactState:
-        """The contact state in a slot.
-
-        Parameters
-        ----------
-        slot : int
-            A slot that has a state.
-
-        Returns
-        -------
-        ContactState
-            The stops that are closed.
-        """
+        """The contact state in a slot."""
         return self._states[slot]
 
     def connect(self, slot: int, stop: int) -> None:
-        """Make the switch of a stop from the state in a slot known, and the way back.
-
-        Parameters
-        ----------
-        slot : int
-            The state before the switch.
-        stop : int
-            The stop that opens or closes.
-        """
+        """Make the switch of a stop from the state in a slot known, and the way back."""
         self._own()
         old = self._states[slot]
         new = old.toggled(stop)
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
             self._grow(self.tables.modes.size, with_spare(row))
-        connect(self.tables, self.family, self.counts, stop, (slot, old), (target, new))
+        connect(self.tables, self.loaded, self.counts, stop, (slot, old), (target, new))
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
     def _own(self) -> None:
-        """Before the tables are written to: make all of their arrays the joint's own."""
+        """Make all arrays of the tables the joint's own, before they are written to."""
         if self._borrows:
             self.tables, self._borrows = owned(self.tables), False
 
     def _fill_known(self, known: KnownStates) -> None:
-        unit = unit_tables(self.family, self.counts, known)
+        unit = unit_tables(self.loaded, self.counts, known)
         self._states = list(known.states)
         self._slots = known.slots.copy()
         self.tables = copied(unit, self.harmonics, self.sizes)

@@ -1,8 +1,8 @@
-"""Which contact states of a family motions have met: what a joint fills in before its first march.
+"""The contact states met by motions of a loaded structure: a joint has them in its tables before its first march.
 
-This is the one thing that a motion leaves behind for later ones.  It saves a sweep from meeting each state anew at
-every point; it decides nothing else.  What is known of a state depends on the state alone, and which states are known
-beside those that a motion meets changes no bit of it.
+These states are all that a motion leaves behind for later ones.  They save a sweep from meeting each state anew at
+every point, and decide no answer: the tables of a state depend on the state alone, and further states in them change no
+bit of a motion.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
-from analytic.march.modal_state import Family
+from analytic.march.modal_state import LoadedStructure
 from lapjoint.answers.contact_state import ContactState
 
-_KEPT = 64  # memories, one for each family and numbers of modes; each takes a few hundred bytes
+_KEPT = 64  # memories, one for each loaded structure and numbers of modes; each takes a few hundred bytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class KnownStates:
     states: tuple[ContactState, ...] = ()
     """Sorted."""
     switches: tuple[tuple[ContactState, int], ...] = ()
-    """State and stop, from the state in which that stop is open; each stands for the way back, too.  Sorted."""
+    """State and stop of each switch, with the state in which the stop is open; the way back is included.  Sorted."""
 
     @cached_property
     def slots(self) -> dict[ContactState, int]:
@@ -31,27 +31,14 @@ class KnownStates:
         return {state: slot for slot, state in enumerate(self.states)}
 
     def and_of(self, old: ContactState, stop: int) -> KnownStates:
-        """These states and switches, and one switch more, with the states before and after it.
-
-        Parameters
-        ----------
-        old : ContactState
-            The state before the switch.
-        stop : int
-            The stop that opens or closes.
-
-        Returns
-        -------
-        KnownStates
-            A new set.
-        """
+        """These states and switches, and the switch of a stop from `old`, with the states before and after it."""
         new = old.toggled(stop)
         opened = new if stop in old else old
         return KnownStates(tuple(sorted({*self.states, old, new})), tuple(sorted({*self.switches, (opened, stop)})))
 
 
 class Memory:
-    """The states and switches that the motions of a family have met so far."""
+    """The states and switches that the motions of a loaded structure have met so far."""
 
     def __init__(self) -> None:
         self.known = KnownStates()
@@ -60,19 +47,6 @@ class Memory:
 
 
 @lru_cache(maxsize=_KEPT)
-def memory_of(family: Family, counts: tuple[int, int]) -> Memory:
-    """The memory of a family.
-
-    Parameters
-    ----------
-    family : Family
-        The problems that share it.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-
-    Returns
-    -------
-    Memory
-        The same object at every call, as long as it is kept.
-    """
+def memory_of(loaded: LoadedStructure, counts: tuple[int, int]) -> Memory:
+    """The memory of a loaded structure with these numbers of modes: one object for all calls, as long as it is kept."""
     return Memory()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.march import WITH_ALL_AT_ONCE, March
+from analytic.march.motion import Log
 from analytic.march.tables import Tables
 from analytic.march.tangent import flow, new_switching, saltation, set_levels
 from analytic.march.terms import set_phases
@@ -15,24 +15,15 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 
 _FEWER, _WORTH_IT = 0.75, 4
-"""Largest share of the columns that units of what is left may be, and the least number of segments that follow, where
-they are carried instead: to have all of them again takes as long as two switches."""
+"""Where deviations are replaced by units of the living modes: largest number of units, over the number of deviations,
+and least number of segments that follow.  To multiply the units out again takes as long as two switches."""
 
 
 def carried_along(motion: March) -> FloatArray:
-    """All deviations along a march.
+    """Deviations at the start of each of the ``M`` segments of a recorded march from the time 0, shape ``(M, 2 N, n)``.
 
-    Parameters
-    ----------
-    motion : March
-        A march from the time 0 of ``M`` segments, recorded.
-
-    Returns
-    -------
-    FloatArray, shape (M, 2 N, n)
-        Deviations (dq, dv) at the start of each segment, kg^1/2 m and kg^1/2 m/s, as columns: one for a unit of each of
-        the ``n`` coordinates at the start of the march.  Of a state with fewer modes than ``N`` the first rows, and
-        anything in the others.
+    The columns are (dq, dv), kg^1/2 m and kg^1/2 m/s, for a unit of each of the ``n`` coordinates at the start of the
+    march.  A state with fewer modes than ``N`` has the first rows, and anything in the others.
     """
     tables, log = motion.joint.tables, motion.log
     segments, n, rows = log.slot.size, 2 * int(tables.modes[log.slot[0]]), 2 * tables.kind.shape[1]
@@ -56,14 +47,15 @@ def _carry(
     level: FloatArray,
     starts: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Carry deviations, `here`, ``(2 N, m)``, over a `piece` of a march: from one of its segments on to before another.
+    """Carry deviations `here`, ``(2 N, m)``, over a `piece` of a march: from one of its segments to before another.
 
-    `starts`, ``(M, 2 N, n)``, takes those at the start of each segment.  At `level`, ``(P, m)``, each stop switches
-    next with them.
+    `starts`, ``(M, 2 N, n)``, takes those at the start of each segment.  `level`, m, ``(P, m)``, says at which level
+    each stop switches next with the deviations.
 
-    Where fast modes have died out, those of the others are all that is left, and the level at which the next stop
-    switches.  Then a unit of each of these is carried on instead, which are fewer columns, and is multiplied by what
-    there was of them, `since`, ``(m, n)``, where it is wanted; none has been left out where that has no rows.
+    Where fast modes have died out, only the deviations of the slower ones are left, and the level at which the next
+    stop switches.  From there on a unit of each of these is carried, which are fewer columns.  Deviations are these
+    units times `since`, ``(m, n)``, the amounts at that moment; a `since` without rows says that no unit has been
+    taken.
 
     Returned are the deviations, `since` and `level`, with which the next piece begins.
     """
@@ -100,7 +92,7 @@ def _carry(
 
 @njit_inner()
 def _left_of(now: FloatArray, level: FloatArray, since: FloatArray, n: int, live: int) -> FloatArray:
-    """What there is of deviations of the first `live` modes, and of their `level`, ``(m,)``: ``(2 live + 1, n)``."""
+    """The amounts of the first `live` modes in deviations, and their `level`, ``(m,)``, shape ``(2 live + 1, n)``."""
     left = zeros((2 * live + 1, now.shape[1]))
     put(left[2 * live], level)
     for j in range(live):
@@ -111,7 +103,7 @@ def _left_of(now: FloatArray, level: FloatArray, since: FloatArray, n: int, live
 
 @njit_inner()
 def _times(left: FloatArray, since: FloatArray) -> FloatArray:
-    """Deviations of units times what there was of these, if they are not those from the start."""
+    """Units times the amounts `since`, ``(m, n)``; units alone if `since` has no rows."""
     if since.shape[0] == 0:
         return left
     whole = zeros((left.shape[0], since.shape[1]))
@@ -121,7 +113,7 @@ def _times(left: FloatArray, since: FloatArray) -> FloatArray:
 
 @njit_inner()
 def _units(rows: int, n: int, live: int) -> FloatArray:
-    """Units of the first `live` of ``n`` modes' deviations as columns, and none for the level."""
+    """Units of the deviations of the first `live` of ``n`` modes as columns, and a zero column for the level."""
     begin = zeros((rows, 2 * live + 1))
     for j in range(live):
         begin[j, j] = begin[n + j, live + j] = 1.0
@@ -130,7 +122,7 @@ def _units(rows: int, n: int, live: int) -> FloatArray:
 
 @njit_inner()
 def _write(now: FloatArray, since: FloatArray, whole: FloatArray) -> None:
-    """Write deviations, ``(2 N, m)``, times what there was of them."""
+    """Write deviations, ``(2 N, m)``, times `since`, to `whole`, ``(2 N, n)``."""
     made = _times(now, since)
     for j in range(made.shape[0]):
         put(whole[j], made[j])

@@ -1,16 +1,19 @@
-"""The loads of a problem: harmonic ones with their sizes, frequencies and phases, and a constant one."""
+"""The loads of a problem: the excitation, with its sizes, frequencies and phases, and the loads of unit size."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from analytic.modes.static_residual import Loads
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.problem import FloatArray, Problem
 
-Places = tuple[float | None, ...]
+Positions = tuple[float | None, ...]
 """Where each load that is not constant acts: a position, m, or None for one that is uniform along the beam."""
 
 
@@ -25,93 +28,45 @@ class Harmonics:
 
     @staticmethod
     def of_unit_frequency(count: int) -> Harmonics:
-        """Some harmonics of 1 rad/s and without phase, in whose place others will be.
-
-        Parameters
-        ----------
-        count : int
-            How many, ``H``.
-
-        Returns
-        -------
-        Harmonics
-            ``H`` harmonics.
-        """
+        """Some harmonics of 1 rad/s and without phase, which stand for harmonics given later."""
         return Harmonics(np.ones(count), np.zeros(count))
 
     def theta(self, t: float) -> FloatArray:
-        """Phase angles at a time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        FloatArray, shape (H,)
-            rad.
-        """
+        """Phase angles, rad, at the time `t`, s, shape ``(H,)``."""
         return self.omega * t + self.phase
 
 
-def harmonics_of(problem: Problem) -> Harmonics:
-    """The harmonic loads of a problem, in the order of its forces.
+@dataclass(frozen=True)
+class Excitation:
+    """The loads of a problem beside the constant ones."""
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
+    harmonics: Harmonics
+    sizes: FloatArray
+    """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, N/m
+    for uniform loads and N for loads at points; and 1 for sampled loads, whose samples have a unit themselves."""
+    period: float | None
+    """The excitation period, s; None if there is none."""
+    changes: Mapping[str, ExcitationChange] = field(default_factory=dict)
+    """How the excitation changes with parameters, by their paths, as far as that is known beforehand."""
 
-    Returns
-    -------
-    Harmonics
-        Frequencies and phases of ``H`` loads.
+
+def excitation_of(problem: Problem) -> Excitation:
+    """The excitation of a problem, with its harmonic loads in the order of its forces."""
+    waves, fundamental = problem.forces.harmonic, problem.excitation_frequency
+    harmonics = Harmonics(
+        np.array([wave.angular_frequency for wave in waves]), np.array([wave.phase for wave in waves])
+    )
+    sizes = np.array([1.0, *(wave.amplitude for wave in waves), *(1.0 for _ in problem.forces.sampled)])
+    return Excitation(harmonics, sizes, None if fundamental is None else 2 * math.pi / fundamental)
+
+
+def unit_loads(problem: Problem, positions: Positions, state: ContactState, nodes: FloatArray) -> Loads:
+    """The loads in a contact state, those that are not constant of a size of 1 N/m or 1 N.
+
+    Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The others,
+    harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are those of the beam; every load acts at a node.
     """
-    forces = problem.forces.harmonic
-    return Harmonics(np.array([force.angular_frequency for force in forces]), np.array([it.phase for it in forces]))
-
-
-def load_sizes(problem: Problem) -> FloatArray:
-    """Factors of the unit loads: 1 for the constant one, the amplitudes of the harmonic ones, 1 for the sampled ones.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    FloatArray, shape (1 + H + R,)
-        Without unit; then N/m for uniform loads, N for loads at points; then without unit, as samples have one.
-    """
-    forces = problem.forces
-    return np.array([1.0, *(force.amplitude for force in forces.harmonic), *(1.0 for _ in forces.sampled)])
-
-
-def unit_loads(problem: Problem, places: Places, state: ContactState, nodes: FloatArray) -> Loads:
-    """The loads in a contact state, those that are not constant of unit size.
-
-    Load 0 is constant: the forces k gap of the closed stops, and the constant forces.  The others, harmonic or sampled,
-    have a size of 1 N/m or 1 N.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem with its constant forces; others that it has are not looked at.
-    places : tuple of float or None
-        Where each of the others acts, m, or None for a uniform one.
-    state : ContactState
-        The stops that are closed.
-    nodes : FloatArray, shape (nodes,)
-        The nodes of the beam, m, ascending; every load acts at one.
-
-    Returns
-    -------
-    Loads
-        1 + H loads, or 1 + H + R with ``R`` sampled ones.
-    """
-    forces = np.zeros((1 + len(places), nodes.size))
+    forces = np.zeros((1 + len(positions), nodes.size))
 
     def node(x: float) -> int:
         return int(np.argmin(np.abs(nodes - x)))  # nodes are (x / L) L: a rounding from x, on either side
@@ -121,7 +76,7 @@ def unit_loads(problem: Problem, places: Places, state: ContactState, nodes: Flo
         forces[0, node(stop.x)] += stop.sign * stop.stiffness * stop.gap
     for load in problem.forces.constant:
         forces[0, node(load.x)] += load.force
-    for row, x in enumerate(places, start=1):
+    for row, x in enumerate(positions, start=1):
         if x is not None:
             forces[row, node(x)] += 1.0
-    return Loads(np.array([0.0, *(float(x is None) for x in places)]), forces)
+    return Loads(np.array([0.0, *(float(x is None) for x in positions)]), forces)

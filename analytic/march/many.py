@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
-from analytic.march.segment import NO_SWITCH
+from analytic.march.compiled import DONE
+from analytic.march.motion import NO_SWITCH, PENDING, PERIODS, SLOT, SWITCHES, Motion, Work
 from analytic.march.tables import IntArray, Tables
 from lapjoint.compiled.arrays import int_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called
@@ -25,35 +25,16 @@ def advance_many(
     motion: Motion,
     work: Work,
 ) -> tuple[int, int]:
-    """March many motions over whole periods, each as `analytic.march.carried.advance_periods` does, without deviations.
+    """March many motions over `count` periods each, as `advance_periods` does, without deviations.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    begin : tuple of int
-        Which of the marches to begin with, as an index into `which`, and 1 if `motion` is on its way already, else 0.
-    which : ndarray, shape (k,)
-        The rows that are marched.
-    slots : ndarray, shape (S,)
-        The state of each motion, as its slot; changed in place.
-    q, v : ndarray, shape (S, N)
-        Its modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s; changed in place.
-    period : float
-        The period, s.
-    count : int
-        Periods that each is marched.
-    most : int
-        Most switches of each march until this comes back, and of all together until it comes back after one.
-    motion : Motion
-        Scratch room for one march; where the march is that needs something of Python.
-    work : Work
-        Scratch arrays.
+    `begin` says at which index of `which`, ``(k,)``, to begin, and 1 if `motion` is on its way already, else 0.
+    `which` holds the rows that are marched.  `slots`, ``(S,)``, `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(S, N)``, are the
+    states and coordinates of all motions, changed in place.  `period` is in s.  `most` is the most switches of each
+    march until this comes back, and of all together until it comes back after one.  `motion` is room for one march, in
+    which the march is found that needs something of Python.
 
-    Returns
-    -------
-    int, int
-        Why it came back, see `DONE`, and at which march; where it is done, with which march to begin next.
+    Returned are the reason to come back, see `DONE`, and the index of its march; where the reason is DONE, the index at
+    which to begin next.
     """
     n = motion.q.size
     penetration, slot = zeros((1, motion.total.size)), int_zeros(0)

@@ -1,4 +1,4 @@
-"""The march of a joint (19)-(49), and what it gives: segments, penetrations, and where the motion ends."""
+"""The march of a joint (19)-(49): its segments, penetrations, and the coordinates at its end."""
 
 from __future__ import annotations
 
@@ -7,25 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import (
-    DONE,
-    LOG_FULL,
-    MISSING_SWITCH,
-    PENDING,
-    SLOT,
-    STUCK,
-    SWITCHES,
-    TOO_MANY,
-    Log,
-    Motion,
-    advance,
-    new_log,
-    new_motion,
-    new_work,
-    no_log,
-)
+from analytic.march.compiled import DONE, LOG_FULL, MISSING_SWITCH, STUCK, TOO_MANY, advance
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
+from analytic.march.motion import PENDING, SLOT, SWITCHES, Log, Motion, new_log, new_motion, new_work, no_log
 from analytic.march.ramps import RampState
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -34,11 +19,11 @@ from lapjoint.machine.result_cache import bytes_in
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-MOST_SWITCHES = 1_000_000  # of one march by default, i.e. half a million impacts: minutes of marching
-_ROOM = 256  # segments logged before the log is emptied: as 64 do not hold all, logs to be joined took 6 % of a branch
-SWITCHES_AT_ONCE = 1000  # half a second of a march with 320 modes
-WITH_ALL_AT_ONCE = 100  # half a second of the same with all deviations from it
-_PART = 2000  # bytes that a part of a motion takes beside its segments: a dozen arrays, and where it ends
+MOST_SWITCHES = 1_000_000  # most switches of one march by default: half a million impacts, minutes of marching
+_ROOM = 256  # segments in the log before it is emptied: with 64, logs to be joined took 6 % of the time of a branch
+SWITCHES_AT_ONCE = 1000  # switches in one compiled call, half a second with 320 modes, so that Ctrl-C is heeded
+WITH_ALL_AT_ONCE = 100  # switches in one compiled call that carries all deviations, half a second with 320 modes
+_PART = 2000  # bytes that a piece of a motion takes beside its segments: a dozen arrays, and its end
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 
@@ -56,7 +41,7 @@ class Segment:
     v: FloatArray
     """Modal velocities at the start, kg^1/2 m/s, shape ``(N,)``."""
     switched: int
-    """The stop that switches at the end, or `analytic.march.segment.NO_SWITCH`."""
+    """The stop that switches at the end, or `analytic.march.motion.NO_SWITCH`."""
 
 
 @dataclass(frozen=True)
@@ -92,34 +77,10 @@ def march(
     progress: Progress | None = None,
     max_switches: int = MOST_SWITCHES,
 ) -> March:
-    """March a joint from one time to another.
+    """March a joint from the time `start` to `end`, s; without `record` no segment is logged.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins.
-    start, end : float
-        From when to when, s.
-    record : bool
-        Whether to log every segment.
-    depth : bool
-        Whether to find the deepest penetration of each contact, too.
-    progress : callable, optional
-        Called with (done, total), s.
-    max_switches : int
-        After how many switches to give up.
-
-    Returns
-    -------
-    March
-        The motion.
-
-    Raises
-    ------
-    SolverError
-        If more than `max_switches` switches occur, or the march makes no progress.
+    `depth` asks for the deepest penetration of each contact, too.  `progress` is called with (done, total), s.
+    `SolverError` is raised where more than `max_switches` switches occur, or the march makes no progress.
     """
     marching = Marching(joint, begin, start, room=_ROOM if record else 0, depth=depth, max_switches=max_switches)
     parts = _PROGRESS_PARTS if progress is not None and not record else 1
@@ -134,26 +95,9 @@ def march(
 
 
 def recorded(before: float, log: Log, times: float = 1) -> float:
-    """Account for the memory that the record of a motion takes.
+    """Bytes that the record of a motion takes with the segments of a log added `times` times to the `before` bytes.
 
-    Parameters
-    ----------
-    before : float
-        What it has taken before, bytes.
-    log : Log
-        The segments that are added.
-    times : float
-        How often.
-
-    Returns
-    -------
-    float
-        What it takes now, bytes.
-
-    Raises
-    ------
-    SolverError
-        If that is too much; see `lapjoint.machine.memory`.
+    `SolverError` is raised where that is too much; see `lapjoint.machine.memory`.
     """
     size = before + times * (bytes_in(log) + _PART)
     what = f"the segments of a motion, of {log.q.shape[1]} modes each,"
@@ -162,22 +106,10 @@ def recorded(before: float, log: Log, times: float = 1) -> float:
 
 
 class Marching:
-    """A march that goes on from time to time.
+    """A march that goes on from time to time, from `start`, s.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins.
-    start : float
-        When, s.
-    room : int
-        Number of segments after which the log is handed on; 0 for none.
-    depth : bool
-        Whether to find the deepest penetration of each contact.
-    max_switches : int
-        After how many switches to give up.
+    The log is handed on after `room` segments; with 0, no segment is logged.  `depth` asks for the deepest penetration
+    of each contact.  After `max_switches` switches the march is given up.
     """
 
     def __init__(
@@ -192,12 +124,12 @@ class Marching:
 
     @property
     def time(self) -> float:
-        """Until when it has come, s."""
+        """The time that the march has reached, s."""
         return float(self._motion.time[0])
 
     @property
     def end(self) -> Coordinates:
-        """Where it is."""
+        """Where the march is."""
         return ended(self._joint, self._motion)
 
     @property
@@ -210,22 +142,9 @@ class Marching:
         self._motion.counts[SWITCHES] = 0
 
     def logs_to(self, goal: float) -> Iterator[Log]:
-        """March on to a time; a segment ends there.
+        """March on to a time, s, at which a segment ends; gives the new segments, or none if there is no room.
 
-        Parameters
-        ----------
-        goal : float
-            s.
-
-        Yields
-        ------
-        Log
-            The segments since the last one; none of them if there is no room.
-
-        Raises
-        ------
-        SolverError
-            If there are too many switches, or the march makes no progress.
+        `SolverError` is raised where there are too many switches, or the march makes no progress.
         """
         motion, status = self._motion, LOG_FULL
         while status != DONE or motion.time[0] < goal:
@@ -249,43 +168,16 @@ class Marching:
             yield copied(self._log, logged)
 
 
-def next_switches(motion: Motion, max_switches: int, at_once: int = SWITCHES_AT_ONCE) -> int:
-    """Most switches in all that a compiled march may come to before it comes back, so that Ctrl-C is heeded.
+def next_switches(motion: Motion, max_switches: int, at_once: int | None = None) -> int:
+    """Number of switches, in all, after which a compiled march comes back, so that Ctrl-C is heeded.
 
-    Parameters
-    ----------
-    motion : Motion
-        Where the march is.
-    max_switches : int
-        Most switches allowed.
-    at_once : int
-        Most switches until it comes back.
-
-    Returns
-    -------
-    int
-        What a compiled march takes as its `most`; `settle_status` lets it go on.
+    `settle_status` lets it go on until there are more than `max_switches`.  By default `SWITCHES_AT_ONCE` are made.
     """
-    return min(int(motion.counts[SWITCHES]) + at_once, max_switches)
+    return min(int(motion.counts[SWITCHES]) + (at_once or SWITCHES_AT_ONCE), max_switches)
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
-    """A march at its beginning.
-
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins.
-    start : float
-        When, s.
-
-    Returns
-    -------
-    Motion
-        What the compiled march moves along.
-    """
+    """A march at its beginning at the time `start`, s, for the compiled march to move along."""
     slot = joint.slot(begin.state)
     motion = new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
     fastest = joint.flat(begin.state).omega.max(initial=0.0)
@@ -295,44 +187,14 @@ def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
 
 
 def ended(joint: Joint, motion: Motion) -> Coordinates:
-    """Where a march is.
-
-    Parameters
-    ----------
-    joint : Joint
-        The joint that is marched.
-    motion : Motion
-        What the compiled march has moved along.
-
-    Returns
-    -------
-    Coordinates
-        A copy.
-    """
+    """Where a march is, as a copy."""
     state = joint.state_in(int(motion.counts[SLOT]))
     n = joint.count(state)
     return Coordinates(state, motion.q[:n].copy(), motion.v[:n].copy())
 
 
 def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
-    """Make a switch known that the tables lack, so that the march can go on.
-
-    Parameters
-    ----------
-    joint : Joint
-        The joint that is marched.
-    motion : Motion
-        Where the march is.
-    status : int
-        Why the compiled march came back; see `analytic.march.compiled`.
-    max_switches : int
-        Most switches allowed, for the message.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
-    """
+    """Make a switch known that the tables lack, or raise `SolverError` if the march cannot go on."""
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
         joint.connect(slot, int(motion.counts[PENDING]))
@@ -343,36 +205,12 @@ def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) 
 
 
 def copied(log: Log, logged: int) -> Log:
-    """The first segments of a log that is used again.
-
-    Parameters
-    ----------
-    log : Log
-        The log.
-    logged : int
-        How many segments.
-
-    Returns
-    -------
-    Log
-        A copy of them.
-    """
+    """The first segments of a log that is used again, as a copy."""
     return Log._make([part[:logged].copy() for part in log])
 
 
 def joined(logs: list[Log]) -> Log:
-    """Several logs as one.
-
-    Parameters
-    ----------
-    logs : list of Log
-        At least one, in the order of time.
-
-    Returns
-    -------
-    Log
-        With all their segments.
-    """
+    """At least one log, in the order of time, as one."""
     if len(logs) == 1:
         return logs[0]
     return Log._make(np.concatenate(parts) for parts in zip(*logs, strict=True))

@@ -25,19 +25,9 @@ _ORDERS = 18
 
 @njit_called()
 def mean_rate(root: complex, d: float) -> tuple[complex, complex]:
-    """The mean rate of exp(lambda s) for s from 0 to d, and its derivative by d.
+    """The mean rate of exp(lambda s), 1/s, for s from 0 to `d`, s, of either sign, and its derivative by `d`, 1/s2.
 
-    Parameters
-    ----------
-    root : complex
-        lambda, 1/s.
-    d : float
-        Duration, s, of either sign.
-
-    Returns
-    -------
-    complex, complex
-        (exp(lambda d) - 1) / d, 1/s, and its derivative, 1/s2; at d = 0 their limits, lambda and lambda^2 / 2.
+    It is (exp(lambda d) - 1) / d; at d = 0 the limits are lambda and lambda^2 / 2.
     """
     a, b = root.real * d, root.imag * d
     x = complex(a, b)
@@ -64,30 +54,11 @@ def mean_rate_at_stop(
     poly: FloatArray,
     row: FloatArray,
 ) -> tuple[float, float, float]:
-    """The mean rate of the displacement at a position of stops, and what it depends on.
+    """The mean rate at position `u` of stops, m/s, over `d` seconds; its derivatives by duration and time, m/s2.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot, u : int
-        The state, and the position.
-    d : float
-        Duration, s, of either sign.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, at the start.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m.
-    poly : FloatArray, shape (N, 3)
-        The coefficients a_i, kg^1/2 m over powers of s.
-    row : FloatArray, shape (2 N,)
-        Takes the derivatives by (q, v) at the start, kg^-1/2 / s and kg^-1/2.
-
-    Returns
-    -------
-    float, float, float
-        The mean rate, m/s; its derivative by the duration, m/s2; and by the time of the start while (q, v) less the
-        answer to the harmonics stays, m/s2.
+    `theta`, ``(H,)``, `term`, ``(T,)``, and `poly`, ``(N, 3)``, are those at the start.  The derivative by the time of
+    the start is taken while (q, v) less the answer to the harmonics stays.  `row`, ``(2 N,)``, takes the derivatives by
+    (q, v) at the start, kg^-1/2 / s and kg^-1/2.
     """
     n, weight = tables.modes[slot], tables.weight[slot, u]
     value, by_duration, by_time = 0.0, 0.0, 0.0

@@ -16,9 +16,9 @@ At a switch displacement and velocity are carried over (36), (41) by closed-form
 
 where S0 and Sh carry the residual shapes of the old state.
 
-Everything here is for harmonic loads of unit size.  So it is the same for all problems that differ in the size, the
-frequency and the phase of their excitation only, a `Family`, and a sweep over these computes it once.  What is
-kept depends on its key alone and is never changed: `analytic.march.joint` makes its own scaled copy.
+All loads here have unit size.  Modal states and passages therefore belong to a `LoadedStructure`: all problems that
+differ in the size, the frequency and the phase of their excitation only.  A sweep over these computes them once.  What
+is cached depends on its key alone and is never changed: `analytic.march.joint` makes its own scaled copy.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from analytic.march.loads import Places, unit_loads
+from analytic.march.loads import Positions, unit_loads
 from analytic.march.oscillator import damping_rates
 from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
@@ -38,22 +38,22 @@ from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem, StepLoad
 from lapjoint.problem.structure import Structure
 
-_FAMILIES = 16  # families kept: a campaign seldom alternates between more
-_STATES = 256  # contact states kept, enough for 16 families of the paper's nine; each takes about 100 kB
+_STRUCTURES = 16  # loaded structures kept: a campaign seldom alternates between more
+_STATES = 256  # contact states kept, enough for 16 structures with the nine of the paper; each takes about 100 kB
 _PASSAGES = 512  # passages kept, as a state of four stops can switch to four others; each takes about 15 kB
 
 
 @dataclass(frozen=True, eq=False)
-class Family:
-    """All problems that differ in the size, the frequency and the phase of the excitation only."""
+class LoadedStructure:
+    """What problems share that differ in the size, the frequency and the phase of the excitation only."""
 
     problem: Problem
-    """The one with nothing but the constant part of its loads, which is zero for some."""
-    places: Places
+    """The problem with the constant part of its loads alone, if it has any."""
+    positions: Positions
     """Where the ``H`` harmonic loads act, and then the sampled ones."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        return family_of, (self.problem, self.places)
+        return loaded_structure, (self.problem, self.positions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,18 +84,7 @@ class ModalState:
         return np.asarray(self.foundation_at_stops - self.residual.weights @ self.at_stops.T)
 
     def head(self, count: int) -> ModalState:
-        """The same state with its lowest modes only.
-
-        Parameters
-        ----------
-        count : int
-            How many.
-
-        Returns
-        -------
-        ModalState
-            With `count` modes.
-        """
+        """This state with its `count` lowest modes only."""
         modes, left = self.modes.head(count), self.residual.weights[:, :count]
         return ModalState(
             self.state,
@@ -118,31 +107,24 @@ class Passage:
     """S0 first, then Sh, kg^1/2 m for each unit of load, shape ``(1 + H, N_new)``."""
 
 
-def family_of(problem: Problem, places: Places | None = None) -> Family:
-    """The family of a problem.
+def loaded_structure(problem: Problem, positions: Positions | None = None) -> LoadedStructure:
+    """The loaded structure of a problem: one object for all its problems, as long as it is kept.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    places : tuple of float or None, optional
-        Where its loads act that are not constant, m, or None for one that is uniform; by default those of the problem.
-
-    Returns
-    -------
-    Family
-        The same object for all problems of the family, as long as it is kept.
+    `positions` says where the loads act that are not constant, m, or None for a uniform load; by default those of the
+    problem.
     """
-    if places is None:
+    if positions is None:
         forces = problem.forces
-        places = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
+        positions = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
-    return _family(problem.structure, steps, places)
+    return _loaded_structure(problem.structure, steps, positions)
 
 
-@lru_cache(maxsize=_FAMILIES)
-def _family(structure: Structure, steps: tuple[tuple[float, float], ...], places: Places) -> Family:
-    """The family of a structure, with constant loads (place in m, force in N), and of places where others act."""
+@lru_cache(maxsize=_STRUCTURES)
+def _loaded_structure(
+    structure: Structure, steps: tuple[tuple[float, float], ...], positions: Positions
+) -> LoadedStructure:
+    """A structure with constant loads (position in m, force in N), and the positions of the other loads."""
     loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
     still = Problem.model_construct(  # of parts that fit together: they were validated
         beam=structure.beam,
@@ -151,36 +133,21 @@ def _family(structure: Structure, steps: tuple[tuple[float, float], ...], places
         damping=structure.damping,
         point_loads=loads,
     )
-    return Family(still, places)
+    return LoadedStructure(still, positions)
 
 
 @cached(_STATES)
-def modal_state(family: Family, state: ContactState, count: int) -> ModalState:
-    """A contact state in modal form, for unit loads.
-
-    Parameters
-    ----------
-    family : Family
-        The problems that share it.
-    state : ContactState
-        The stops that are closed.
-    count : int
-        Number of modes.
-
-    Returns
-    -------
-    ModalState
-        Not to be written to.
-    """
-    return _modal_state(family, state, pool_size(count)).head(count)
+def modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> ModalState:
+    """A contact state with `count` modes in modal form, for unit loads; not to be written to."""
+    return _modal_state(loaded, state, pool_size(count)).head(count)
 
 
 @cached(_STATES)
-def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
+def _modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> ModalState:
     """A contact state with a number of modes that `pool_size` gives."""
-    problem = family.problem
+    problem = loaded.problem
     modes = exact_modes(problem, state, count)
-    loads = unit_loads(problem, family.places, state, modes.shapes.nodes)
+    loads = unit_loads(problem, loaded.positions, state, modes.shapes.nodes)
     at_nodes = modes.shapes(modes.shapes.nodes)
     force = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
     shapes = residual(problem, state, modes, loads, force)
@@ -197,36 +164,17 @@ def _modal_state(family: Family, state: ContactState, count: int) -> ModalState:
 
 
 @cached(_PASSAGES)
-def passage(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
-    """The map from one state to another, for unit loads (43).
-
-    Parameters
-    ----------
-    family : Family
-        The problems that share it.
-    old : ContactState
-        The state before the switch.
-    n_old : int
-        Its number of modes.
-    new : ContactState
-        The state after the switch.
-    n_new : int
-        Its number of modes.
-
-    Returns
-    -------
-    Passage
-        Not to be written to.
-    """
-    products = _products(family, old, pool_size(n_old), new, pool_size(n_new))
-    weights = _modal_state(family, old, pool_size(n_old)).residual.weights[:, :n_old]
+def passage(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
+    """The map from a state with `n_old` modes to one with `n_new`, for unit loads (43); not to be written to."""
+    products = _products(loaded, old, pool_size(n_old), new, pool_size(n_new))
+    weights = _modal_state(loaded, old, pool_size(n_old)).residual.weights[:, :n_old]
     S = products.S[:n_new, :n_old]
     return Passage(S, products.residual[:, :n_new] - weights @ S.T)
 
 
 @cached(_PASSAGES)
-def _products(family: Family, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
+def _products(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """Inner products of the modes of `new` with the modes and with the foundation shapes of `old`."""
-    before, m = _modal_state(family, old, n_old), family.problem.beam.m
-    after = _modal_state(family, new, n_new).modes.shapes
+    before, m = _modal_state(loaded, old, n_old), loaded.problem.beam.m
+    after = _modal_state(loaded, new, n_new).modes.shapes
     return Passage(m * gram(after, before.modes.shapes), m * gram(before.residual.foundation, after))

@@ -15,35 +15,22 @@ from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
-"""How a mode moves freely: a complex pair of roots; two real ones; an undamped rigid body, both roots 0."""
+"""How a mode moves freely: with two complex roots, with two real roots, or as an undamped rigid body, both roots 0."""
 _SEPARATE = 1e-7
-"""Relative distance kept between coincident poles, without unit: the motion changes by its square, 1e-14, while
-differences of the poles, by which constants are divided, keep half their digits."""
+"""Relative distance kept between coincident poles: the motion changes by its square, 1e-14, while differences of the
+poles, by which constants are divided, keep half their digits."""
 ABOVE, BELOW = 1.0, -1.0
 """The side of the loads' frequencies to which `away_from_resonance` moves a mode."""
 _NEARLY = 1e-6
 """Relative distance of mode and load below which their motions cancel to fewer than ten digits, 1e-16 / 1e-6."""
 _DETUNE = 1e-8
-"""Least relative distance kept between an undamped frequency and that of a load.  Free and forced motion, 1 / (2e-8)
-static deflections each, cancel, and their products with some hundred exponentials a period round by 1e-15: that leaves
-1e-7 of the static deflection, while the phase is off by at most 2e-8 of itself, 1e-7 in a period."""
+"""Least relative distance kept between an undamped frequency and the frequency of a load.  Free and forced motion,
+1 / (2e-8) static deflections each, cancel.  Their products with some hundred exponentials a period round by 1e-15: the
+error is 1e-7 of the static deflection.  The phase is off by at most 2e-8 of itself, 1e-7 in a period."""
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
-    """Damping rates zeta_i omega_i of modes (34).
-
-    Parameters
-    ----------
-    problem : Problem
-        Its damping.
-    omega : FloatArray, shape (N,)
-        Angular frequencies of the modes, rad/s.
-
-    Returns
-    -------
-    FloatArray, shape (N,)
-        1/s.
-    """
+    """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``."""
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
@@ -53,38 +40,17 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
 
 @njit_inner()
 def forced_answer(force: float, omega: float, damping_rate: float, driven: float) -> complex:
-    """Complex amplitude of the answer to a harmonic (28), (29), with the off-diagonal entries C* omega of (29).
+    """Complex amplitude, kg^1/2 m, of a mode's answer to a harmonic (28), (29): q_i = Im(answer exp(i theta)).
 
-    Parameters
-    ----------
-    force : float
-        Modal force of the harmonic, kg^1/2 m/s2.
-    omega : float
-        Angular frequency of the mode, rad/s.
-    damping_rate : float
-        Its damping rate, 1/s.
-    driven : float
-        Angular frequency of the harmonic, rad/s.
-
-    Returns
-    -------
-    complex
-        kg^1/2 m, such that q_i = Im(answer exp(i theta)).
+    `force` is the modal force, kg^1/2 m/s2; `omega`, rad/s, and `damping_rate`, 1/s, are those of the mode, and
+    `driven`, rad/s, is the frequency of the harmonic.  The off-diagonal entries of (29) are C* omega.
     """
     answer: complex = force / complex(omega * omega - driven * driven, 2 * damping_rate * driven)
     return answer
 
 
 def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
-    """Whether there is a mode that `away_from_resonance` may move.
-
-    Parameters
-    ----------
-    omega : FloatArray
-        Angular frequencies of modes, rad/s, of any shape ``(...)``.
-    damping_rate : FloatArray
-        Their damping rates, 1/s, of the same shape ``(...)``.
-    """
+    """Whether `away_from_resonance` may move a mode, of given frequencies, rad/s, and damping rates, 1/s."""
     return bool((damping_rate < _NEARLY * omega).any())
 
 
@@ -92,23 +58,9 @@ def may_resonate(omega: FloatArray, damping_rate: FloatArray) -> bool:
 def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray, side: float) -> float:
     """Keep an undamped frequency at least `_DETUNE` of itself away from those of all loads; the secular growth stays.
 
-    Moved above them and moved below them, a mode shows by the difference what the move and rounding do to a motion.
-
-    Parameters
-    ----------
-    omega : float
-        Angular frequency of a mode, rad/s.
-    damping_rate : float
-        Its damping rate, 1/s.
-    driven : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s.
-    side : float
-        ABOVE, or BELOW, which also lowers by `_DETUNE` a mode that is nearly resonant.
-
-    Returns
-    -------
-    float
-        Angular frequency of the mode, rad/s.
+    The frequencies of the mode and of the loads, `driven`, ``(H,)``, are in rad/s, the damping rate in 1/s.  `side` is
+    ABOVE or BELOW; BELOW also lowers by `_DETUNE` a mode that is nearly resonant.  A motion with the modes moved above
+    the loads and one with the modes moved below differ by the effect of the move and of rounding.
     """
     least, away = _DETUNE * omega, omega
     if side == BELOW and damping_rate < _NEARLY * omega:
@@ -127,19 +79,10 @@ def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray, s
 
 
 def roots_of(omega: FloatArray, damping_rate: FloatArray) -> ComplexArray:
-    """The two roots lambda of the free motion of each mode; a critically damped pair is kept 1e-7 apart, relatively.
+    """The two roots lambda, 1/s, of the free motion of each of ``N`` modes, shape ``(N, 2)``.
 
-    Parameters
-    ----------
-    omega : FloatArray, shape (N,)
-        Angular frequencies, rad/s.
-    damping_rate : FloatArray, shape (N,)
-        Damping rates, 1/s.
-
-    Returns
-    -------
-    ComplexArray, shape (N, 2)
-        1/s; the one with the positive imaginary part, or the slower one, first.
+    The root with the positive imaginary part, or the slower one, is first.  A critically damped pair is kept 1e-7
+    apart, relatively.
     """
     square = damping_rate**2 - omega**2
     square = np.where((omega > 0) & (np.abs(square) < (_SEPARATE * omega) ** 2), -((_SEPARATE * omega) ** 2), square)
@@ -152,40 +95,15 @@ def roots_of(omega: FloatArray, damping_rate: FloatArray) -> ComplexArray:
 
 
 def kinds_of(roots: ComplexArray) -> npt.NDArray[np.int64]:
-    """How each mode moves freely.
-
-    Parameters
-    ----------
-    roots : ComplexArray, shape (N, 2)
-        The two roots of each mode, 1/s.
-
-    Returns
-    -------
-    ndarray of int, shape (N,)
-        OSCILLATING, SPLIT or DRIFTING.
-    """
+    """How each mode moves freely, OSCILLATING, SPLIT or DRIFTING, from its two roots, 1/s, shape ``(N, 2)``."""
     drifting = (roots == 0).all(axis=1)
     return np.where(roots[:, 0].imag > 0, OSCILLATING, np.where(drifting, DRIFTING, SPLIT))
 
 
 def static_answer(F0: FloatArray, omega: FloatArray, damping_rate: FloatArray) -> FloatArray:
-    """Answer to a constant force (31), as a polynomial in time.
+    """Coefficients of 1, t, t^2, kg^1/2 m over powers of s, ``(N, 3)``, of the answer to constant modal forces (31).
 
-    A rigid-body mode drifts: F0 t / (2 damping_rate) with damping, F0 t^2 / 2 without.
-
-    Parameters
-    ----------
-    F0 : FloatArray, shape (N,)
-        Modal forces, kg^1/2 m/s2.
-    omega : FloatArray, shape (N,)
-        Angular frequencies, rad/s; 0 for rigid-body modes.
-    damping_rate : FloatArray, shape (N,)
-        Damping rates, 1/s.
-
-    Returns
-    -------
-    FloatArray, shape (N, 3)
-        Coefficients of 1, t, t^2, kg^1/2 m over powers of s.
+    A rigid-body mode, of frequency 0, drifts: F0 t / (2 damping_rate) with damping, F0 t^2 / 2 without.
     """
     answer = np.zeros((F0.size, 3))
     rigid = omega == 0

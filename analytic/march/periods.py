@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from analytic.march.carried import advance_periods
-from analytic.march.compiled import DONE, MISSING_SWITCH, SWITCHES, new_work
+from analytic.march.compiled import DONE, MISSING_SWITCH
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, begun, ended, next_switches, settle_status
+from analytic.march.motion import SWITCHES, Motion, new_work
 from analytic.march.tables import IntArray
 from lapjoint.problem import FloatArray
 
@@ -25,80 +27,59 @@ class Periods:
     """Time integral of each stop's penetration over all periods, m s, shape ``(P,)``."""
     switches: int
     """Switches made."""
+
+
+class PeriodRecord(NamedTuple):
+    """Arrays that `analytic.march.carried.advance_periods` writes, period by period."""
+
+    penetration: FloatArray
+    """Each stop's penetration over time, m s, shape ``(rows, P)``; further periods are added to the last row."""
     slots: IntArray
-    """State at the end of each period, as its slot, shape ``(count,)``; ``(0,)`` if not recorded."""
+    """State at the end of each period, as its slot, shape ``(count,)`` or ``(0,)``."""
     coordinates: FloatArray
-    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``; ``(0, 2, N)`` if not recorded."""
+    """q, kg^1/2 m, and v, kg^1/2 m/s, there, shape ``(count, 2, N)`` or ``(0, 2, N)``."""
 
-    @property
-    def sections(self) -> tuple[Coordinates, ...]:
-        """The section points at the end of each period, if recorded."""
-        return tuple(self.section(i) for i in range(self.slots.size))
 
-    def section(self, i: int) -> Coordinates:
-        """The section point at the end of a period, of a motion that was recorded.
+def room_for(motion: Motion, rows: int, count: int) -> PeriodRecord:
+    """Room for the penetrations of so many periods, and for so many section points."""
+    slots, coordinates = np.zeros(count, dtype=np.int64), np.zeros((count, 2, motion.q.size))
+    return PeriodRecord(np.zeros((rows, motion.total.size)), slots, coordinates)
 
-        Parameters
-        ----------
-        i : int
-            Which period, counted from 0.
 
-        Returns
-        -------
-        Coordinates
-            A copy.
-        """
-        state = self.joint.state_in(int(self.slots[i]))
-        n = self.joint.count(state)
-        return Coordinates(state, self.coordinates[i, 0, :n].copy(), self.coordinates[i, 1, :n].copy())
+def march_on(
+    joint: Joint,
+    motion: Motion,
+    period: float,
+    count: int,
+    record: PeriodRecord,
+    now: FloatArray,
+    growth: FloatArray | None = None,
+    *,
+    max_switches: int = MOST_SWITCHES,
+    at_once: int | None = None,
+) -> FloatArray:
+    """March until `count` periods, s, are done, and carry deviations `now`, ``(2 N, m)``, along, which are returned.
+
+    The arguments are those of `analytic.march.carried.advance_periods`; at most `at_once` switches are made in one
+    compiled call.
+    """
+    work, level, status = new_work(joint.tables), np.zeros((motion.total.size, now.shape[1])), MISSING_SWITCH
+    growth = np.zeros(0) if growth is None else growth
+    while status != DONE:
+        most = next_switches(motion, max_switches, at_once)
+        status, now = advance_periods(joint.tables, motion, work, period, count, *record, now, level, growth, most)
+        settle_status(joint, motion, status, max_switches)
+    return now
 
 
 def march_periods(
-    joint: Joint,
-    begin: Coordinates,
-    period: float,
-    count: int,
-    record: bool = False,
-    *,
-    max_switches: int = MOST_SWITCHES,
+    joint: Joint, begin: Coordinates, period: float, count: int, *, max_switches: int = MOST_SWITCHES
 ) -> Periods:
-    """March over whole periods, to the bits of as many calls of `march` from 0 to `period`.
+    """March over `count` periods, s, from the time 0, to the bits of as many calls of `march` from 0 to `period`.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    begin : Coordinates
-        Where the motion begins, at the time 0.
-    period : float
-        The period, s.
-    count : int
-        Number of periods.
-    record : bool, optional
-        Whether to keep the section point at the end of every period.
-    max_switches : int, optional
-        Most switches in all.
-
-    Returns
-    -------
-    Periods
-        The motion, and where it ends.
-
-    Raises
-    ------
-    SolverError
-        If more than `max_switches` switches occur, or the march makes no progress.
+    `SolverError` is raised where more than `max_switches` switches occur, or the march makes no progress.
     """
-    motion, work = begun(joint, begin, 0.0), new_work(joint.tables)
-    rows, size = count if record else 0, motion.q.size
-    penetration, slots = np.zeros((1, motion.total.size)), np.zeros(rows, dtype=np.int64)
-    coordinates, status = np.zeros((rows, 2, size)), MISSING_SWITCH
-    now, level, sizes = np.zeros((2 * size, 0)), np.zeros((motion.total.size, 0)), np.zeros(0)
-    while status != DONE:
-        most = next_switches(motion, max_switches)
-        status, now = advance_periods(
-            joint.tables, motion, work, period, count, penetration, slots, coordinates, now, level, sizes, most
-        )
-        settle_status(joint, motion, status, max_switches)
-    end = ended(joint, motion)
-    return Periods(joint, end, penetration[0], int(motion.counts[SWITCHES]), slots, coordinates)
+    motion = begun(joint, begin, 0.0)
+    record, none = room_for(motion, 1, 0), np.zeros((2 * motion.q.size, 0))
+    march_on(joint, motion, period, count, record, none, max_switches=max_switches)
+    return Periods(joint, ended(joint, motion), record.penetration[0], int(motion.counts[SWITCHES]))

@@ -9,25 +9,13 @@ import numpy as np
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.problem import FloatArray, Problem, SampledShape
 
-_POINTS_PER_PANEL = 16  # 16 Gauss points resolve half a wave to rounding
+_POINTS_PER_PANEL = 16  # Gauss points that resolve half a wave to rounding
 
 
 def over_beam(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre quadrature on panels short enough for every mode to be resolved to rounding.
+    """Positions and weights, m, ``(points,)`` each, of Gauss-Legendre quadrature that resolves every mode to rounding.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved; the knots of a sampled initial shape are edges of panels.
-    modes : NormalModes
-        The modes.
-
-    Returns
-    -------
-    FloatArray, shape (points,)
-        Positions, m.
-    FloatArray, shape (points,)
-        Weights, m.
+    The knots of a sampled initial shape are edges of the panels.
     """
     breaks = modes.shapes.nodes
     if isinstance(problem.initial, SampledShape):

@@ -1,52 +1,71 @@
-"""One state under forces that are linear between knots, up to the first switch: as `analytic.march.segment`.
+"""The closed form of one state under forces that are linear between knots, and how it goes on over a knot.
 
-From knot to knot the motion is another closed form, see `analytic.march.ramps`.  Each is searched as any other, up to
-the next knot; a knot switches nothing, and the gap functions go on there.
+See `analytic.march.ramps` for the closed form; `analytic.march.segment` searches it for switches.
 
-Arguments are named as in `analytic.march.terms`; `ramps` are the `RampTables`, and `body`, shape ``(2, 4)``, holds q
-and its first three derivatives of the rigid-body modes at the start of the present closed form, kg^1/2 m over powers
-of s.
+Arguments are named as in `analytic.march.terms`; `ramps` are the `RampTables`, `j` is the interval between knots, and
+`body`, shape ``(2, 4)``, holds q and its first three derivatives of the rigid-body modes at the start of the present
+closed form, kg^1/2 m over powers of s.
 """
 
 from __future__ import annotations
 
-from analytic.march.deepest import deepest_of
-from analytic.march.gap_function import Rigid, fading_powers
+import math
+
+from analytic.march.gap_function import fading_powers
 from analytic.march.oscillator import OSCILLATING, SPLIT
-from analytic.march.ramps import LOGGED, RampTables
-from analytic.march.segment import NO_SWITCH, add_areas, bound_tails, search
-from analytic.march.tables import BoolArray, IntArray, Tables
+from analytic.march.ramps import RampTables
+from analytic.march.tables import IntArray, Tables
 from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
-_ROUNDINGS = 1e-15  # of the time: two knots that are the spacing apart may be so much nearer or further
+_ROUNDINGS = 1e-15  # relative to the time: rounding error of the distance of two knots
 
 
 @njit_inner()
 def interval_at(ramps: RampTables, first: int, t: float) -> int:
-    """Between which knots a time is; at a knot, after it.
+    """The interval between knots, from 0 to K - 2, in which the time `t`, s, lies; `first` is an interval not after it.
 
-    Parameters
-    ----------
-    ramps : RampTables
-        The ramps.
-    first : int
-        An interval that is not after it.
-    t : float
-        The time, s.
-
-    Returns
-    -------
-    int
-        From 0 to K - 2: before the first knot and after the last one the nearest ramp goes on.
+    At a knot, it is the interval after the knot; before the first knot and after the last one the nearest ramp goes on.
     """
     j = first
     while j < ramps.time.size - 2 and ramps.time[j + 1] <= t:
         j += 1
     return j
+
+
+@njit_inner()
+def up_to_knot(ramps: RampTables, j: int, base: float, end: float) -> tuple[float, float, bool]:
+    """End and duration, s, of the closed form that begins at `base`, s, in interval `j`, and whether it is all of `j`.
+
+    It ends at the next knot, or at `end`, s.  All intervals of evenly spaced knots last `ramps.spacing`, to the bit.
+    """
+    until = min(ramps.time[j + 1], end) if j < ramps.time.size - 2 else end
+    width = until - base
+    whole = base == ramps.time[j] and j < ramps.time.size - 2 and until == ramps.time[j + 1]
+    if whole and abs(width - ramps.spacing) <= _ROUNDINGS * until:
+        return until, ramps.spacing, True
+    return until, width, False
+
+
+@njit_inner()
+def turn_whole(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    theta0: ComplexArray,
+    term0: ComplexArray,
+    theta: ComplexArray,
+    term: ComplexArray,
+) -> None:
+    """Write phases ``(H,)`` and terms ``(T,)`` at the end of a whole interval, from those at its start."""
+    for k in range(term0.size):
+        term[k] = term0[k] * ramps.whole[slot, k]
+    for h in range(theta.size):
+        angle = tables.omega[h] * ramps.spacing
+        theta[h] = theta0[h] * complex(math.cos(angle), math.sin(angle))
 
 
 @njit_inner()
@@ -62,25 +81,7 @@ def start_on_ramps(
     term: ComplexArray,
     body: FloatArray,
 ) -> None:
-    """Write the constants of (32) of a state that starts from given displacements and velocities.
-
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps.
-    slot, j : int
-        The state, and between which knots it starts.
-    t : float
-        When, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) then, without unit.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, then.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m; written.
-    body : FloatArray, shape (2, 4)
-        The rigid-body modes; written.
-    """
+    """Write the constants `term` of (32), ``(T,)``, and `body` of a state that starts at `t`, s, from `q`, `v`."""
     n, H, R = tables.modes[slot], theta.size, ramps.slope.shape[1]
     extra = n
     for i in range(n):
@@ -130,22 +131,10 @@ def over_knot(
     term: ComplexArray,
     body: FloatArray,
 ) -> None:
-    """Let the slope of the forces change at the end of an interval; the terms are those at its end already.
+    """Let the slope of the forces change where interval `j` begins; the closed form before lasted `s` seconds.
 
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps.
-    slot, j : int
-        The state, and the interval that begins.
-    s : float
-        How long the closed form before it lasted, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit; written.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
-    body : FloatArray, shape (2, 4)
-        The rigid-body modes at the start of the closed form before; changed to those now.
+    `theta`, ``(H,)``, is written; `term`, ``(T,)``, that of the end of the interval before, and `body`, that of its
+    start, are changed in place.
     """
     set_phases(tables, ramps.time[j], theta)
     move_body(ramps.drag[slot], s, body)
@@ -160,17 +149,7 @@ def over_knot(
 
 @njit_called()
 def move_body(drag: float, s: float, body: FloatArray) -> None:
-    """Move the rigid-body modes on by a time without a knot.
-
-    Parameters
-    ----------
-    drag : float
-        Twice their damping rate, 1/s.
-    s : float
-        The time, s.
-    body : FloatArray, shape (2, 4)
-        q, q', q'' and q''' of each, kg^1/2 m over powers of s; changed in place.
-    """
+    """Move the rigid-body modes, of twice the damping rate `drag`, 1/s, on by `s` seconds without a knot, in place."""
     e0, e1, e2, e3, _ = fading_powers(drag, s)
     for b in range(2):
         x, y, a, jerk = body[b, 0], body[b, 1], body[b, 2], body[b, 3]
@@ -192,27 +171,7 @@ def state_on_ramps(
     order: int,
     q: FloatArray,
 ) -> None:
-    """Write a time derivative of the modal displacements that belong to terms and phases.
-
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps.
-    slot, j : int
-        The state, and the interval.
-    t : float
-        The time, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) then, without unit.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term then, kg^1/2 m.
-    body : FloatArray, shape (2, 4)
-        The rigid-body modes then.
-    order : int
-        Which derivative, 0 to 2.
-    q : FloatArray, shape (N,)
-        kg^1/2 m over s^order; written.
-    """
+    """Write the time derivative of `order` 0 to 2 of q at `t`, s, to `q`, ``(N,)``, kg^1/2 m over s^order."""
     for i in range(tables.modes[slot]):
         x = tables.static[slot, i, 0] if order == 0 else 0.0
         for h in range(theta.size):
@@ -237,7 +196,7 @@ def state_on_ramps(
 
 
 @njit_inner()
-def _polynomial(
+def polynomial_on_ramps(
     tables: Tables,
     ramps: RampTables,
     slot: int,
@@ -264,139 +223,13 @@ def _polynomial(
 
 
 @njit_inner()
-def follow_ramps(
-    tables: Tables,
-    ramps: RampTables,
-    slot: int,
-    start: float,
-    end: float,
-    fresh: BoolArray,
-    held: BoolArray,
-    depth: bool,
-    theta: ComplexArray,
-    term: ComplexArray,
-    q: FloatArray,
-    v: FloatArray,
-    area: FloatArray,
-    deepest: FloatArray,
-) -> tuple[float, int, float]:
-    """Follow one state up to its first switch, to a time, or over `LOGGED` knots.
-
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps; `ramps.interval` and `ramps.shift` are changed.
-    slot : int
-        The state.
-    start, end : float
-        From when, and until when at the latest, s.
-    fresh, held : BoolArray, shape (P,)
-        Whether each stop switched a moment ago, and whether it may not switch; see `analytic.march.segment.follow`.
-    depth : bool
-        Whether to find the deepest penetrations.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) at the start, without unit; turned to the end.
-    term : ComplexArray, shape (T,)
-        Takes the c_t exp(lambda_t s) at the end, kg^1/2 m.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start; replaced by those at the end.
-    area : FloatArray, shape (P,)
-        Takes the time integral of the penetration of each closed stop, m s.
-    deepest : FloatArray, shape (P,)
-        Takes the deepest penetration of each, m, if `depth`.
-
-    Returns
-    -------
-    float, int, float
-        When it ends, s, the stop that switches then (NO_SWITCH, NO_PROGRESS), and its h', m/s.
-    """
-    positions, terms, stops = tables.weight.shape[1], tables.terms[slot], area.size
-    drift, jerk, tail = zeros((positions, 3)), zeros(positions), zeros((positions, terms + 1))
-    rigid, body = Rigid(jerk, ramps.drag[slot]), zeros((2, 4))
-    theta0, term0, none = theta.copy(), term.copy(), complex_zeros(0)
-    last, any_closed = ramps.time.size - 2, False
-    for k in range(stops):
-        area[k] = 0.0
-        deepest[k] = 0.0
-        any_closed = any_closed or tables.closed[slot, k]
-    j = interval_at(ramps, ramps.interval[0], start)
-    beginning, base, which, rate = not ramps.goes_on[0], start, NO_SWITCH, 0.0
-    start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
-    while True:
-        until = min(ramps.time[j + 1], end) if j < last else end
-        width = until - base
-        whole = base == ramps.time[j] and j < last and until == ramps.time[j + 1]
-        whole = whole and abs(width - ramps.spacing) <= _ROUNDINGS * until
-        if whole:
-            width = ramps.spacing
-        _polynomial(tables, ramps, slot, j, base, body, drift, jerk)
-        bound_tails(tables.weight[slot], term, terms, tail)
-        for k in range(terms):
-            term0[k] = term[k]
-        for h in range(theta.size):
-            theta0[h] = theta[h]
-        s, which, rate = search(
-            tables, slot, width, drift, rigid, tail, fresh, held, beginning, ramps.shift, theta, term, whole
-        )
-        if which == NO_SWITCH and whole:
-            for k in range(terms):
-                term[k] = term0[k] * ramps.whole[slot, k]
-            for h in range(theta.size):  # the search has left them where it looked last
-                theta[h] = theta0[h]
-            turn_exactly(none, tables.omega, 0, width, none, theta)
-        beginning, ended = False, which != NO_SWITCH or until == end or j == last
-        if any_closed:
-            add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
-            for k in range(stops):
-                if depth and tables.closed[slot, k]:
-                    deepest[k] = deepest_of(
-                        tables,
-                        slot,
-                        k,
-                        s,
-                        theta0,
-                        term0,
-                        drift,
-                        rigid,
-                        deepest[k],
-                        not (ended or (j + 1) % LOGGED == 0),
-                    )
-        if ended:
-            base = until if which == NO_SWITCH else base + s
-            move_body(ramps.drag[slot], s, body)
-            break
-        base, j = until, j + 1
-        over_knot(tables, ramps, slot, j, s, theta, term, body)
-        if j % LOGGED == 0:
-            break
-    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
-    state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
-    for k in range(stops):
-        area[k] = max(area[k], 0.0)
-    ramps.interval[0], ramps.goes_on[0] = j, True
-    return base, which, rate
-
-
-@njit_inner()
 def carry_ramps(
     tables: Tables, ramps: RampTables, slot: int, stop: int, t: float, harmonics: int, q: FloatArray, v: FloatArray
 ) -> None:
-    """Add what the left-out modes carry over a switch under the ramps; see `analytic.march.switching.switch`.
+    """Add to `q` and `v`, ``(N,)``, what the left-out modes carry over a switch at `t`, s, under the ramps.
 
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps.
-    slot : int
-        The state before the switch.
-    stop : int
-        The stop that opens or closes.
-    t : float
-        When, s.
-    harmonics : int
-        Number of harmonics.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, after the switch; added to.
+    `slot` is the state before the switch of `stop`; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are those after it.  See
+    `analytic.march.switching.switch`.
     """
     j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[tables.passage[slot, stop]]
     for r in range(ramps.slope.shape[1]):
@@ -419,24 +252,10 @@ def coordinates_on_ramps(
     t: FloatArray,
     result: FloatArray,
 ) -> None:
-    """Write the modal displacements and two of their time derivatives at ``m`` times in ``M`` segments.
+    """Write the modal displacements and two time derivatives, ``(m, 3, N)``, kg^1/2 m over powers of s, to `result`.
 
-    Parameters
-    ----------
-    tables, ramps : Tables, RampTables
-        The states of the joint, and the ramps.
-    slots : IntArray, shape (M,)
-        The state of each segment.
-    start : FloatArray, shape (M,)
-        When it starts, s.
-    q, v : FloatArray, shape (M, N)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, then.
-    which : IntArray, shape (m,)
-        The segment of each time, ascending.
-    t : FloatArray, shape (m,)
-        The times, s, ascending.
-    result : FloatArray, shape (m, 3, N)
-        kg^1/2 m over powers of s; written.
+    The ``M`` segments have the states `slots` and start at `start`, s, from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(M,
+    N)``.  The ``m`` times `t`, s, and their segments `which` are ascending.
     """
     theta, none = complex_zeros(tables.omega.size), complex_zeros(0)
     term, now = complex_zeros((2, tables.root.shape[1]))

@@ -6,9 +6,8 @@ While a modal force is F + G s, the particular motion of a mode with stiffness i
 
 and what the left-out modes add is F + G s times their quasi-static shape.  Where G changes by dG at a knot, p jumps by
 -2 a dG / omega^4 and p' by dG / omega^2, and the free motion by the opposite: each term changes by its *kick* times dG.
-So a motion goes on over a knot without a look at displacements and velocities.  Modes without stiffness are carried as
-q, q', q'' and q''', see `analytic.march.gap_function.Rigid`, because for a small drag this p is a difference of huge
-numbers.
+A march over a knot therefore needs no displacements and velocities.  Modes without stiffness are carried as q, q', q''
+and q''', see `analytic.march.gap_function.Rigid`, because for a small drag their p is a difference of huge numbers.
 """
 
 from __future__ import annotations
@@ -26,8 +25,8 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
 LOGGED = 64
-"""Knots after which a segment ends in the log, so that a motion can be evaluated without going far back."""
-_RIGID = 2  # most rigid-body modes that a beam has: it moves, and it turns
+"""Knots in a segment of the log at most, so that a motion is evaluated from a start that is not far back."""
+_RIGID = 2  # most rigid-body modes of a beam: it moves, and it turns
 
 
 @by_reference
@@ -47,7 +46,7 @@ class RampTables(NamedTuple):
     gain: FloatArray
     """1 / omega^2 times the modal force, kg^1/2 m for each unit of load, 0 without stiffness, shape ``(S, R, N)``."""
     lag: FloatArray
-    """-2 a / omega^4 times it, kg^1/2 m for each unit of its rate, shape ``(S, R, N)``."""
+    """-2 a / omega^4 times the modal force, kg^1/2 m for each unit of the load's rate, shape ``(S, R, N)``."""
     kick: ComplexArray
     """Change of each term, kg^1/2 m for each unit of change of the rate, shape ``(S, R, T)``."""
     still: FloatArray
@@ -55,15 +54,15 @@ class RampTables(NamedTuple):
     gain_at_stops: FloatArray
     """Quasi-static displacement there, residual included, m for each unit of load, shape ``(S, U, R)``."""
     lag_at_stops: FloatArray
-    """The same for each unit of its rate, m, shape ``(S, U, R)``."""
+    """Quasi-static displacement there, m for each unit of the load's rate, shape ``(S, U, R)``."""
     rigid: IntArray
     """The rigid-body modes, -1 for none, shape ``(S, 2)``."""
     drag: FloatArray
     """Twice their damping rate, 1/s, shape ``(S,)``."""
     interval: IntArray
-    """Between which knots the march is, shape ``(1,)``; changed in place."""
+    """The interval between knots in which the march is, shape ``(1,)``; changed in place."""
     goes_on: BoolArray
-    """Whether it goes on in a state without having entered it just now, shape ``(1,)``; changed in place."""
+    """Whether the march is in a state that it has entered before, shape ``(1,)``; changed in place."""
     shift: FloatArray
     """How far above 0 each gap function was on entering the state, m, shape ``(P,)``; changed in place."""
 
@@ -71,12 +70,7 @@ class RampTables(NamedTuple):
 class RampState:
     """What a march along ramps carries from one compiled call to the next, and from block to block of the ramps.
 
-    Parameters
-    ----------
-    joint : Joint
-        The joint that is marched.
-    start : float
-        When the march begins, s.
+    The march begins at `start`, s.
     """
 
     def __init__(self, joint: Joint, start: float) -> None:
@@ -89,17 +83,9 @@ class RampState:
         self._made: RampTables | None = None
 
     def move_to(self, t: float) -> float:
-        """Go on to the block that a time is in; a march up to its end, and not beyond, may take the tables then.
+        """Go on to the block of the time `t`, s, and give the time at which it ends, infinite for the last block.
 
-        Parameters
-        ----------
-        t : float
-            The time, s, not before that of the last call.
-
-        Returns
-        -------
-        float
-            Where the block ends, s; infinite for the last one.
+        `t` is not before that of the last call.  A march up to the end of the block may take `tables` then.
         """
         block = self._blocks.block_at(t)
         if block is not self._block:
@@ -118,22 +104,7 @@ class RampState:
 
 
 def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
-    """The same tables with another block of the ramps.
-
-    Parameters
-    ----------
-    made : RampTables
-        The tables of a block before.
-    joint : Joint
-        The joint.
-    block : Ramps
-        The block.
-
-    Returns
-    -------
-    RampTables
-        What states make of ramps, and what a march carries, is shared with the tables given.
-    """
+    """The tables with another block of the ramps; all other arrays are shared with `made`."""
     whole = made.whole if block.spacing == made.spacing else np.exp(joint.tables.root * block.spacing)
     return made._replace(time=block.time, force=block.force, slope=block.slope, spacing=block.spacing, whole=whole)
 
@@ -141,21 +112,9 @@ def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
 def ramp_tables(
     joint: Joint, ramps: Ramps, carried: tuple[IntArray, BoolArray, FloatArray] | None = None
 ) -> RampTables:
-    """The ramps of a joint in all the states that it has met so far.
+    """The ramps of a joint in all the states that it has met, with as many slots as its tables.
 
-    Parameters
-    ----------
-    joint : Joint
-        The joint.
-    ramps : Ramps
-        The forces.
-    carried : tuple of ndarray, optional
-        `interval`, shape ``(1,)``, `goes_on`, shape ``(1,)``, and `shift`, m, shape ``(P,)``; new ones if not given.
-
-    Returns
-    -------
-    RampTables
-        With as many slots as the tables of the joint; those without a state are 0.
+    `carried` are `interval`, `goes_on` and `shift`, new ones if not given.
     """
     tables, R = joint.tables, ramps.force.shape[1]
     S, N, T, U = tables.modes.size, tables.kind.shape[1], tables.root.shape[1], tables.weight.shape[1]
@@ -181,7 +140,7 @@ def ramp_tables(
     if carried is not None:
         made = made._replace(interval=carried[0], goes_on=carried[1], shift=carried[2])
     for slot, state in enumerate(joint.states):
-        _fill(made, tables, slot, flat_state(joint.family, state, joint.count(state)))
+        _fill(made, tables, slot, flat_state(joint.loaded, state, joint.count(state)))
     return made
 
 

@@ -11,47 +11,19 @@ from analytic.march.tables import PER_SLOT, PER_SWITCH, UNKNOWN, Tables
 from lapjoint.machine.memory import require
 
 _SPARE = 4
-"""Slots, or rows for switches, that are added when all are taken; or half as many as there are, if these are more, so
-that what is copied for new ones is at most three times as much as there is in the end."""
+"""Least number of slots, or rows for switches, added when all are taken.  Half as many as there are, if that is more:
+then all copies for new rows are at most three times as much as the final tables."""
 
 
 def with_spare(taken: int) -> int:
-    """So many rows, and some to spare.
-
-    Parameters
-    ----------
-    taken : int
-        How many are taken.
-
-    Returns
-    -------
-    int
-        More than that.
-    """
+    """A number of rows with some to spare beyond those `taken`."""
     return taken + max(_SPARE, taken // 2)
 
 
 def grown(tables: Tables, slots: int, switches: int) -> Tables:
-    """The same tables with room for more.
+    """The tables with room for so many slots and switches; arrays that are large enough are shared with `tables`.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of a joint.
-    slots : int
-        Number of slots, at least as many as there are.
-    switches : int
-        Number of rows for switches, at least as many as there are.
-
-    Returns
-    -------
-    Tables
-        Its other arrays are those of `tables`.
-
-    Raises
-    ------
-    SolverError
-        If they would take too much memory; see `lapjoint.machine.memory`.
+    `SolverError` is raised where they would take too much memory; see `lapjoint.machine.memory`.
     """
     before, after = (_bytes(tables, *rows) for rows in (_rows(tables), (slots, switches)))
     modes = tables.kind.shape[1]
@@ -75,7 +47,7 @@ def _rows(tables: Tables) -> tuple[int, int]:
 
 
 def _bytes(tables: Tables, slots: int, switches: int) -> float:
-    """What tables like these take with so many slots and rows for switches, bytes."""
+    """Bytes that tables like these take with so many slots and rows for switches."""
     sizes = (
         rows * sum(part.itemsize * math.prod(part.shape[1:]) for part in map(tables.__getattribute__, names))
         for names, rows in ((PER_SLOT, slots), (PER_SWITCH, switches))

@@ -1,6 +1,6 @@
 """One state in closed form, up to the first switch.
 
-Between switches every stop sees a gap function
+Between switches, and between the knots of sampled loads, every stop sees a gap function
 
     h(s) = Re sum_t c_t exp(lambda_t s) + a0 + a1 s + a2 s^2,    h <= 0,
 
@@ -14,13 +14,16 @@ lies above h(s + tau).  Up to the first root of the cubic no switch is possible:
 switch the root converges to it cubically from below; elsewhere the steps are as long as the bound allows.  No
 impact, rebound or graze can be stepped over.
 
-Two things make it fast, and change nothing of this.  Far from a switch the high modes need not be summed: they
-cannot move h by more than sum |c_t|, and with that added to h the cubic of the low modes alone is a bound.  And the
+Two shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they
+cannot move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  And the
 terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
 switch, and the end of the march, take a power series or exponentials.
 
-With -B for B the cubic lies below h(s + tau).  Where it is above 0 at most 1e-13 of the unit of time after the step,
-the switch is between: nothing is left to look for.
+At a knot of a load the gap functions are continuous, and another closed form begins, see `analytic.march.ramps`: the
+search goes on there as within a state.
+
+With -B for B the cubic lies below h(s + tau).  Where this lower cubic is above 0 at most 1e-13 of the unit of time
+after the step, the switch lies between, and the search ends.
 
 Arguments are named as in `analytic.march.gap_function`.
 """
@@ -33,91 +36,132 @@ import numpy as np
 
 from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
+from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, Motion, Work
+from analytic.march.ramp_segment import (
+    interval_at,
+    move_body,
+    over_knot,
+    polynomial_on_ramps,
+    start_on_ramps,
+    state_on_ramps,
+    turn_whole,
+    up_to_knot,
+)
+from analytic.march.ramps import LOGGED, RampTables
 from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
 from analytic.march.tables import BoolArray, Tables
-from analytic.march.terms import SERIES, drift_at_stops, tabulated, turn_briefly, turn_by, turn_exactly
+from analytic.march.terms import (
+    SERIES,
+    drift_at_stops,
+    start_terms,
+    state_from_terms,
+    tabulated,
+    turn_briefly,
+    turn_by,
+    turn_exactly,
+)
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.arrays import zeros
+from lapjoint.compiled.arrays import put, zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
-NO_SWITCH = -1  # in place of a stop: none switches before the end
-NO_PROGRESS = -2  # in place of a stop: the steps ran out
 _CLOSE = 1e-6
-"""Of the unit of time: after a step shorter than this all modes are summed at the next look.  So close to a switch, the
-bound on what the high modes may do would be what makes the steps short, and not the motion."""
-_MAX_STEPS = 10_000_000  # within one state: a minute of marching; a motion that makes progress takes some hundred
-_FIRST_MODES = 5  # summed first, then twice as many, and so on: five hold all but some thousandth of a gap
+"""Length of a step, over the unit of time, below which all modes are summed at the next look.  So close to a switch,
+the bound on the high modes would make the steps short, and not the motion."""
+_MAX_STEPS = 10_000_000  # most steps in one state, a minute of marching; a motion that goes on takes some hundred
+_FIRST_MODES = 5  # modes summed first, then twice as many, and so on: five hold all but some thousandth of a gap
 _LEAST_OF_TERMS = 1e-13
-"""Of the gap and the sum of all terms' sizes, without unit: 500 times the rounding of that sum.  A stop that has just
-switched and does not leave 0 at once has to pass so much before it can switch again."""
-_TINY = 1e-300  # keeps a bound of 0 from being divided by
+"""Threshold that a stop which has just switched, and does not leave 0 at once, has to pass before it can switch again,
+relative to its gap plus the sum of all terms' sizes: 500 times the rounding of that sum."""
+_TINY = 1e-300  # m, m/s3: keeps divisions by a bound of 0 finite
 
 
 @njit_inner()
 def follow(
     tables: Tables,
-    slot: int,
-    horizon: float,
-    fresh: BoolArray,
-    held: BoolArray,
+    ramps: RampTables | None,
+    motion: Motion,
+    work: Work,
+    end: float,
+    shortest: float,
     depth: bool,
-    theta: ComplexArray,
-    term: ComplexArray,
-    poly: FloatArray,
-    area: FloatArray,
-    deepest: FloatArray,
-) -> tuple[float, int, float]:
-    """Follow one state from given terms and phases up to its first switch, or for `horizon` seconds.
+) -> None:
+    """Follow the present state up to its first switch, or to `end`, s, at the latest; along ramps to a knot.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    horizon : float
-        s.
-    fresh : ndarray, shape (P,)
-        Whether each stop switched a moment ago: one that does not leave 0 at once has to pass a threshold of rounding
-        size before it can switch again.
-    held : ndarray, shape (P,)
-        Whether each stop may not switch at all.
-    depth : bool
-        Whether to find the deepest penetrations.
-    theta : ndarray, complex, shape (H,)
-        exp(i theta_h) at the start; turned to the end.
-    term : ndarray, complex, shape (T,)
-        The c_t, kg^1/2 m; turned to the end.
-    poly : ndarray, shape (N, 3)
-        The coefficients a_i, kg^1/2 m over powers of s.
-    area : ndarray, shape (P,)
-        Takes the penetration's integral over the time of each closed stop, m s.
-    deepest : ndarray, shape (P,)
-        Takes the deepest penetration of each, m, if `depth`; 0 for an open stop.
+    A closed form holds for the whole state, or, along ramps, from knot to knot; along ramps the state is left after
+    `LOGGED` knots at the latest.  A state that switches lasts `shortest` seconds at least, unless `end` is before.
 
-    Returns
-    -------
-    float, int, float
-        The time, s, the stop (NO_SWITCH if none, NO_PROGRESS if the steps ran out), and its h', m/s.
+    `motion` goes on; its pending stop is the one that switches, NO_SWITCH if none, or NO_PROGRESS if the steps ran out.
+    `work` has the phases at the start in `theta`, and in `fresh` and `held` the stops that switched a moment ago and
+    those that may not switch at all: a fresh stop has to leave 0 at once, or pass a threshold of rounding size, before
+    it can switch again.  `work.area` takes the time integral of the penetration of each closed stop, and, if `depth`,
+    `work.deepest` its deepest penetration.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.
     """
-    positions, terms = tables.forced.shape[1], tables.terms[slot]
+    slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
+    theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest
+    positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
     drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
-    start_theta, start_term, shift = theta.copy(), term[:terms].copy(), zeros(tables.sign.size)
-    drift_at_stops(tables, slot, poly, drift)
-    bound_tails(tables.weight[slot], term, terms, tail)
-    s, which, rate = search(tables, slot, horizon, drift, None, tail, fresh, held, True, shift, theta, term, False)
-    for k in range(area.size):
-        area[k] = 0.0
-    add_areas(tables, slot, s, start_theta, start_term, theta, term, drift, None, area)
-    for k in range(area.size):
+    theta0, term0 = theta.copy(), term[:terms].copy()
+    for k in range(stops):
+        area[k] = deepest[k] = 0.0
+    base, j, beginning = start, 0, True
+    if ramps is None:
+        rigid, shift = None, zeros(stops)
+        start_terms(tables, slot, theta, q, v, term, poly)
+        drift_at_stops(tables, slot, poly, drift)
+    else:
+        j, beginning = interval_at(ramps, ramps.interval[0], start), not ramps.goes_on[0]
+        jerk, body = zeros(positions), zeros((2, 4))
+        rigid, shift = Rigid(jerk, ramps.drag[slot]), ramps.shift
+        start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
+    while True:
+        until, width, whole = end, end - base, False
+        if ramps is not None:
+            until, width, whole = up_to_knot(ramps, j, base, end)
+            polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
+        bound_tails(tables.weight[slot], term, terms, tail)
+        put(theta0, theta)
+        for k in range(terms):
+            term0[k] = term[k]
+        s, which, rate = search(
+            tables, slot, width, drift, rigid, tail, work.fresh, work.held, beginning, shift, theta, term, whole
+        )
+        if which == NO_PROGRESS:
+            motion.time[0], motion.counts[PENDING] = base + s, which
+            return
+        if ramps is not None and whole and which == NO_SWITCH:
+            turn_whole(tables, ramps, slot, theta0, term0, theta, term)
+        beginning, ended = False, which != NO_SWITCH or until == end
+        leaves = ended or (j + 1) % LOGGED == 0
+        add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
+        for k in range(stops if depth else 0):
+            if tables.closed[slot, k]:
+                so_far, goes_on = deepest[k], not leaves
+                deepest[k] = deepest_of(tables, slot, k, s, theta0, term0, drift, rigid, so_far, goes_on)
+        if ramps is None:
+            break  # without ramps there is no loop to compile, which takes a tenth of the time that all else does
+        if not ended:
+            base, j = until, j + 1
+            over_knot(tables, ramps, slot, j, s, theta, term, body)
+        if leaves:
+            break
+    for k in range(stops):
         area[k] = max(area[k], 0.0)
-        if depth:
-            deepest[k] = 0.0
-            if tables.closed[slot, k] and which != NO_PROGRESS:
-                first, terms0 = start_theta.copy(), start_term.copy()
-                deepest[k] = deepest_of(tables, slot, k, s, first, terms0, drift, None, 0.0, False)
-    return s, which, rate
+    if ramps is None:
+        wait = min(shortest, end - base) - s
+        if which != NO_SWITCH and wait > 0:
+            turn_exactly(tables.root[slot], tables.omega, terms, wait, term, theta)
+            s += wait
+        state_from_terms(tables, slot, theta, s, term, poly, q, v)
+    if ended:
+        base = end if which == NO_SWITCH else base + s
+    if ramps is not None:
+        if ended:
+            move_body(ramps.drag[slot], s, body)
+        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
+        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
+        ramps.interval[0], ramps.goes_on[0] = j, True
+    motion.time[0], motion.time[1], motion.counts[PENDING] = base, rate, which
 
 
 @njit_inner()
@@ -136,40 +180,15 @@ def search(
     term: ComplexArray,
     at_end: bool,
 ) -> tuple[float, int, float]:
-    """Look for the first switch along one closed form; `follow` says what it gives, and what is not said here.
+    """Look for the first switch along one closed form, for `horizon` seconds: its time, s, the stop, and its h', m/s.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    horizon : float
-        s.
-    drift : FloatArray, shape (U, 3)
-        The coefficients of 1, s, s^2 of z, m over powers of s.
-    rigid : Rigid or None
-        What rigid-body modes add to it under forces that are linear in time; see `analytic.march.gap_function`.
-    tail : FloatArray, shape (U, T + 1)
-        What the terms from each on may sum to, m.
-    fresh, held : BoolArray, shape (P,)
-        Whether each stop switched a moment ago, and whether it may not switch; they count at the beginning of a state.
-    beginning : bool
-        Whether the state begins here, and does not go on from another closed form.
-    shift : FloatArray, shape (P,)
-        How far above 0 each gap function starts, m, infinite for a stop that may not switch; written at the beginning
-        of a state, and read where it goes on.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) at the start, without unit; turned to the end.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m; turned to the end.
-    at_end : bool
-        Whether phases and terms need not be turned to the horizon, if no stop switches, because they are known there.
-
-    Returns
-    -------
-    float, int, float
-        The time, s, the stop, and its h', m/s.
+    `drift`, ``(U, 3)``, holds the coefficients of 1, s, s^2 of z, m over powers of s; `rigid` is what rigid-body modes
+    add under forces that are linear in time; `tail`, m, ``(U, T + 1)``, bounds the sum of the terms from each on.
+    `beginning` says that the state begins here, and does not go on from another closed form: only then `fresh` and
+    `held` count.  `shift`, m, ``(P,)``, is how far above 0 each gap function starts, infinite for a stop that may not
+    switch; it is written at the beginning of a state, and read where the state goes on.  `theta`, ``(H,)``, and `term`,
+    ``(T,)``, are turned to the end; with `at_end` they need not be turned to the horizon if no stop switches, because
+    they are known there.
     """
     stops, positions = tables.sign.size, tables.forced.shape[1]
     terms, fastest = tables.terms[slot], tables.fastest[slot]
@@ -252,18 +271,9 @@ def search(
 
 @njit_inner()
 def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
-    """Write what the terms from each on may sum to at each position.
+    """Write to `tail`, m, ``(U, T + 1)``, a bound on the sum of the terms from each on, at each position.
 
-    Parameters
-    ----------
-    weight : FloatArray, shape (U, T)
-        The mode of each term there, kg^-1/2.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m.
-    terms : int
-        Number of terms; arrays of shape ``(T,)`` may be longer.
-    tail : FloatArray, shape (U, T + 1)
-        m; written, but for the last column, which is 0.
+    `weight`, kg^-1/2, ``(U, T)``, is the mode of each of the first `terms` terms there.  The last column is 0 already.
     """
     for t in range(terms - 1, -1, -1):
         size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
@@ -282,9 +292,9 @@ def _first_look(
     theta: ComplexArray,
     shift: FloatArray,
 ) -> None:
-    """How far above 0 each gap function starts, m, shape ``(P,)``: the modes of two states differ by their truncation.
+    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts: states differ by truncation.
 
-    `tail`, shape ``(U, T + 1)``, bounds what the terms from each on may sum to, m; `shift` is written.
+    `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T + 1)``, is that of `bound_tails`.
     """
     for k in range(shift.size):
         u, closed = tables.position[k], tables.closed[slot, k]
@@ -315,26 +325,10 @@ def add_areas(
     rigid: Rigid | None,
     area: FloatArray,
 ) -> None:
-    """Add the time integral of the penetration of each closed stop, from the antiderivative of every term.
+    """Add to `area`, m s, ``(P,)``, the time integral of the penetration of each closed stop over one closed form.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    s : float
-        How long the closed form holds, s.
-    theta0, term0 : ComplexArray, shape (H,) and (T,)
-        Phases, without unit, and terms, kg^1/2 m, at its start.
-    theta, term : ComplexArray, shape (H,) and (T,)
-        The same at its end.
-    drift : FloatArray, shape (U, 3)
-        The coefficients of 1, s, s^2 of z, m over powers of s.
-    rigid : Rigid or None
-        What rigid-body modes add to it under forces that are linear in time.
-    area : FloatArray, shape (P,)
-        m s; added to for each closed stop.
+    The integral over `s` seconds is that of the antiderivative of every term.  `theta0`, ``(H,)``, and `term0`,
+    ``(T,)``, are those at the start; `theta` and `term` those at the end.  `drift` and `rigid` are as in `search`.
     """
     for k in range(area.size):
         if not tables.closed[slot, k]:

@@ -2,7 +2,7 @@ r"""The joint without contact under unit forces, in closed form, and the energy 
 
 With N modes of the joint without contact, a force of 1 N at a moves q_i to Phi_i(a) / omega_i^2.  The displacement at b
 is the whole series, of which the modes have a part; the rest is in closed form, as that of any other load
-(`analytic.modes.static_residual`).  The deviations of a section point in contact are the same shapes in its modes.
+(`analytic.modes.static_residual`).  A section point in contact takes these shapes, in its modes, as deviations.
 """
 
 from __future__ import annotations
@@ -10,30 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from analytic.march.joint import Joint
-from analytic.march.modal_state import family_of, modal_state
+from analytic.march.modal_state import loaded_structure, modal_state
 from analytic.modes.normal_modes import pool_size
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import FloatArray, StepLoad
 
 
 def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Static shapes of unit forces on the joint without contact, which is held.
+    """Static shapes of unit forces at `places`, m, ``(p,)``, on the joint without contact, which is held.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    state : ContactState
-        The state in whose ``n`` modes they are wanted.
-    places : FloatArray, shape (p,)
-        Where the forces act, m.
-
-    Returns
-    -------
-    shapes : FloatArray, shape (p, n)
-        Modal displacements under each force, kg^1/2 m/N.
-    compliance : FloatArray, shape (p, p)
-        Displacement at each place, m/N: row i under the force at place i.
+    Given are the modal displacements in the ``n`` modes of `state` under each force, kg^1/2 m/N, ``(p, n)``, and the
+    compliance, m/N, ``(p, p)``: the displacement at each place, in row i under the force at place i.
     """
     modes = joint.modal(FREE).modes
     shapes = (modes.shapes(places) / modes.omega[:, None] ** 2).T
@@ -45,24 +32,14 @@ def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tupl
 def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
     """Static displacement of the joint without contact at places, m, ``(p,)``, under a force of 1 N at `a`."""
     pressed = joint.problem.replace(stops=(), base_motion=None, point_loads=(StepLoad(x=a, force=1.0),))
-    state = modal_state(family_of(pressed), FREE, pool_size(1))
+    state = modal_state(loaded_structure(pressed), FREE, pool_size(1))
     return np.asarray((state.force[0] / state.modes.omega**2) @ state.modes.shapes(places) + state.residual(places)[0])
 
 
 def free_energy(joint: Joint, state: ContactState) -> FloatArray:
-    """The matrix of the energy of deviations (q, v) in a state's modes, as motions of the joint without contact.
+    """A of the energy e . A e / 2, J, of deviations e = (q, v) in a state's modes, free of contact, ``(2 n, 2 n)``.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes; the joint without contact is held.
-    state : ContactState
-        The state in whose ``n`` modes deviations are.
-
-    Returns
-    -------
-    FloatArray, shape (2 n, 2 n)
-        Twice the energy is e . A e, J.
+    The joint without contact is held.
     """
     modal = joint.modal(FREE)
     n = joint.count(state)

@@ -7,37 +7,23 @@ import math
 from lapjoint.compiled.compiling import njit_called, njit_inner
 
 RESOLUTION = 1e-10
-"""Of the unit of time, `analytic.march.tables.Tables.unit`: a switch that is certified to lie within this time is
-there.  At 500 rad/s that is 2e-13 s, ten times what a double holds of a time of 100 s."""
+"""Length of a certified step, over the unit of time `analytic.march.tables.Tables.unit`, that counts as a switch.  At
+500 rad/s it is 2e-13 s, ten times the resolution of a double at 100 s."""
 SHARP = 1e-13
-"""Of the unit of time: how sharply the last step before a switch locates it; `RESOLUTION` is for gap functions that
-nearly graze."""
+"""Accuracy of a switch located by its last step, over the unit of time; `RESOLUTION` is for gap functions that nearly
+graze."""
 _NEAR = 1e-9
-"""Relative distance, without unit, at which Newton's method is as good as at the root.  A step stays that far below
-the root, 1e7 roundings, so that the sign of the cubic there is certain."""
-_LEAST = 1e-15  # of the cubic's own times, without unit: where the search for an upper end begins, if at 0
-_TINY = 1e-300  # s: keeps that from being 0
+"""Relative distance from a root at which Newton's method ends.  A step stays so far below the root, 1e7 roundings, that
+the sign of the cubic there is certain."""
+_LEAST = 1e-15  # first upper end of an interval that begins at 0, relative to the cubic's own times
+_TINY = 1e-300  # s: keeps that upper end above 0
 
 
 @njit_called()
 def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) -> float:
-    """A time just below the first tau where h + h1 tau + h2 tau^2/2 + b3 tau^3/6 rises through 0.
+    """A time just below the first root of h + h1 tau + h2 tau^2/2 + b3 tau^3/6, s, or `most` if none is before.
 
-    Parameters
-    ----------
-    h : float
-        The gap function now, m, 0 or less.
-    h1, h2 : float
-        Its first derivative, m/s, and its second, m/s^2, now.
-    b3 : float
-        The bound on its third derivative, m/s^3, positive.
-    most : float
-        The longest time that is asked for, s.
-
-    Returns
-    -------
-    float
-        The time, s; `most` if no root is before it.
+    `h`, m, is 0 or less; `h1`, m/s, and `h2`, m/s^2, are the derivatives now; `b3`, m/s^3, is positive; `most` is in s.
     """
     # A glance first: on [0, most] the cubic stays below its positive parts.
     if h + most * (max(h1, 0.0) + most * (max(h2, 0.0) / 2 + most * b3 / 6)) < 0:
@@ -85,30 +71,16 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
 @njit_called()
 def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float) -> bool:
-    """Whether a gap function is above 0 shortly after a time, whatever its third derivative within the bound.
-
-    Parameters
-    ----------
-    h : float
-        The gap function now, m, 0 or less.
-    h1, h2 : float
-        Its first derivative, m/s, and its second, m/s^2, now.
-    b3 : float
-        The bound on its third derivative, m/s^3, positive.
-    tau : float
-        The time, s, from now.
-    sharp : float
-        How shortly after it, s.
-    """
+    """Whether a gap function is above 0 `sharp` seconds after `tau`, for any third derivative within `b3`."""
     x = tau + sharp
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 
 
 @njit_inner()
 def _root_of_rise(h: float, h1: float, h2: float, b3: float) -> float:
-    """A time just below the root of a cubic that rises from 0 to there, or 0 if that is not shown at once.
+    """A time just below the root of a cubic that rises up to there, or 0 if the rise is not shown at once.
 
-    `h1` is positive.  Close to a switch this is so, and then the root of the parabola is close to that of the cubic.
+    `h1` is positive.  Close to a switch the cubic rises, and the root of the parabola is close to that of the cubic.
     """
     square = h1 * h1 - 2 * h2 * h
     if square <= 0:

@@ -1,46 +1,45 @@
 """A motion in stretches, so that a long one needs no more memory than a short one.
 
-A stretch ends where a segment ends without a switch: along ramps at a knot where the log has a new segment in any case,
-so that the motion has the bits that it has as a whole; under a periodic excitation at the end of a period, as the
-search for periodic motions marches; else at times that are made for this.
+A stretch ends where a segment ends without a switch.  Along ramps it ends at a knot where the log has a new segment in
+any case, so that the motion has the bits of the whole motion.  Under a periodic excitation it ends with a period, as in
+the search for periodic motions.  Otherwise it ends at one of a sequence of equal times.
 """
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import Log
 from analytic.march.initial_state import started
 from analytic.march.joint import Joint
 from analytic.march.march import MOST_SWITCHES, Marching, joined
-
-ROWS = 1024
-"""Segments after which a stretch ends where it can: 1 MB with 20 modes, and a millisecond of work on its arrays."""
-_ROOM = 256  # segments logged before the log is handed on
-_STEPS = 16
-"""Longest tabulated steps, each some half a period of the beam, between two ends where nothing else offers one."""
+from analytic.march.motion import Log
 
 
-def stretches(logs: Iterator[Log]) -> Iterator[Log]:
-    """A motion in stretches of some `ROWS` segments.
+@dataclass(frozen=True)
+class StretchSize:
+    """How long stretches are, which changes no motion but by the rounding of a segment's end."""
 
-    Parameters
-    ----------
-    logs : iterator of Log
-        The segments of the motion, in parts of any length.
+    rows: int = 1024
+    """Least number of segments of a stretch but the last: 1 MB with 20 modes, a millisecond of work on its arrays."""
+    room: int = 256
+    """Segments logged before the log is handed on."""
+    steps: float = 16
+    """Longest tabulated steps, each about half a period of the beam, between two ends of stretches at equal times."""
 
-    Yields
-    ------
-    Log
-        Segments of which the last ends without a switch; in all, those that were given.
-    """
+
+STANDARD = StretchSize()
+
+
+def stretches(logs: Iterator[Log], size: StretchSize) -> Iterator[Log]:
+    """The segments of a motion, given in parts of any length, in stretches that end without a switch."""
     kept: list[Log] = []
     for log in logs:
         kept.append(log)
-        if sum(part.slot.size for part in kept) < ROWS:
+        if sum(part.slot.size for part in kept) < size.rows:
             continue
         whole = joined(kept)
         ends = np.flatnonzero(whole.stop < 0)
@@ -53,28 +52,14 @@ def stretches(logs: Iterator[Log]) -> Iterator[Log]:
         yield joined(kept)
 
 
-def marched(joint: Joint, duration: float) -> Iterator[Log]:
-    """The segments of the motion from the initial state, as a march whose excitation has no period goes through them.
+def marched(joint: Joint, duration: float, size: StretchSize) -> Iterator[Log]:
+    """The segments of the motion from the initial state to `duration`, s, for an excitation without a period.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-    duration : float
-        How long, s.
-
-    Yields
-    ------
-    Log
-        With the depths of contacts; some segments end without a switch.
-
-    Raises
-    ------
-    SolverError
-        If there are too many switches between two such ends, or the march makes no progress.
+    They have the depths of contacts, and some end without a switch.  `SolverError` is raised where there are too many
+    switches between two such ends, or the march makes no progress.
     """
-    marching = Marching(joint, started(joint), 0.0, room=_ROOM, depth=True, max_switches=MOST_SWITCHES)
-    step = np.inf if joint.sampled else _STEPS * float(joint.tables.step[0])
+    marching = Marching(joint, started(joint), 0.0, room=size.room, depth=True, max_switches=MOST_SWITCHES)
+    step = np.inf if joint.sampled else size.steps * float(joint.tables.step[0])
     for i in itertools.count(1):
         goal = min(i * step, duration)
         for log in marching.logs_to(goal):

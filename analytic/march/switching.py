@@ -22,7 +22,7 @@ from lapjoint.problem import FloatArray
 
 @by_reference
 class Frozen(NamedTuple):
-    """What the published rule needs besides the tables: ``S`` slots, ``N`` modes."""
+    """The frozen shape of the published rule, beside the tables: ``S`` slots, ``N`` modes."""
 
     rest: FloatArray
     """Coefficients of R over the modes of all states, kg^1/2 m, shape ``(S, N)``; changed in place."""
@@ -34,20 +34,10 @@ class Frozen(NamedTuple):
 
 @njit_inner()
 def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatArray, v: FloatArray) -> None:
-    """Carry displacement (36) and velocity (41) over to the state after a stop has switched, in place.
+    """Carry displacement (36) and velocity (41) over to the state after `stop` has switched, in place.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state before the switch.
-    stop : int
-        The stop that opens or closes; the tables know the switch.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h) at the switch, without unit.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, before the switch; replaced by those after it.
+    `slot` is the state before, and the tables know the switch.  `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, are
+    replaced.  `theta`, ``(H,)``, is exp(i theta_h) at the switch.
     """
     target = tables.next_slot[slot, stop]
     n_old, n_new = tables.modes[slot], tables.modes[target]
@@ -69,20 +59,9 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
 
 @njit_inner()
 def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: FloatArray, v: FloatArray) -> None:
-    """Carry displacement (36), of which R keeps what is left over, and velocity (44) over to another state, in place.
+    """Carry displacement (36), of which R keeps the rest, and velocity (44) over from `slot` to `target`, in place.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    frozen : Frozen
-        The published scheme's frozen shape; its `rest` is changed in place.
-    slot : int
-        The state before the switch.
-    target : int
-        The state after it.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, before the switch; replaced by those after it.
+    `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, are replaced, and `frozen.rest` is changed.
     """
     n_old, n_new, rest = tables.modes[slot], tables.modes[target], frozen.rest
     v_old = v.copy()
@@ -104,17 +83,7 @@ def switch_frozen(tables: Tables, frozen: Frozen, slot: int, target: int, q: Flo
 
 @njit_inner()
 def freeze(tables: Tables, frozen: Frozen, slot: int) -> None:
-    """Write the values of R at the stops where the march looks for the part of z that moves with no mode.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint; their `constant` is changed in place.
-    frozen : Frozen
-        The published scheme's frozen shape.
-    slot : int
-        The state that the motion is in.
-    """
+    """Write the values of R at the stops to `tables.constant[slot]`, the part of z that moves with no mode."""
     for u in range(tables.constant.shape[1]):
         z = 0.0
         for other in frozen.order:

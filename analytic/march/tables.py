@@ -3,9 +3,9 @@
 Each state that a joint knows has a slot.  Its motion is a sum of terms p_t(s) = c_t exp(lambda_t s): one for each
 mode, and a second for each mode that is damped above critical; the harmonic loads turn besides.
 
-A `FlatState` is one state with unit loads, a `UnitTables` several, with the switches between them: both are immutable,
-and kept for all problems of a family.  `Tables` are the states of one joint, scaled to its excitation: they belong to
-that joint alone, which may fill more slots.
+A `FlatState` is one state with unit loads, and `UnitTables` are several states with the switches between them: both are
+immutable, and cached.  `Tables` are the states of one joint, scaled to its excitation: they belong to that joint alone,
+which may fill more slots.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from analytic.march.known_states import KnownStates
 from analytic.march.loads import Harmonics
-from analytic.march.modal_state import Family, modal_state, passage
+from analytic.march.modal_state import LoadedStructure, modal_state, passage
 from analytic.march.oscillator import (
     ABOVE,
     SPLIT,
@@ -41,11 +41,11 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 OCTAVES, PARTS = 16, 4
-"""Tabulated steps: sqrt(m / EI) L^2, about half a period of a cantilever's first mode, 5/4, 6/4 and 7/4 of it, the
-halves of these, and so on for 16 octaves, down to 3e-5 of it."""
+"""Octaves of tabulated steps, and steps in each.  The first steps are 1, 5/4, 6/4 and 7/4 times sqrt(m / EI) L^2, about
+half a period of a cantilever's first mode; then come the halves of these, down to 3e-5 of the first step."""
 _FRACTIONS = (0.5 ** np.arange(OCTAVES)[:, None] * (1 + np.arange(PARTS) / PARTS)).ravel()
-_UNIT_TABLES = 32  # kept: a few for each family, as more states become known; about 1 MB each with 20 modes
-_FLAT_STATES = 256  # kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
+_UNIT_TABLES = 32  # unit tables kept, a few for each structure as states become known; about 1 MB each with 20 modes
+_FLAT_STATES = 256  # flat states kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
 
 
 class FlatState(NamedTuple):
@@ -152,56 +152,22 @@ UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
-    """The tabulated steps; see `OCTAVES`.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    FloatArray, shape (J,)
-        s.
-    """
+    """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     beam = problem.beam
     return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _FRACTIONS)
 
 
 def unit_of_time(step: FloatArray, harmonics: Harmonics) -> float:
-    """What the march calls short is measured by this time.
+    """The time by which short times are measured, s: sqrt(m / EI) L^2, or 1 / Omega of the fastest load if less.
 
-    Parameters
-    ----------
-    step : FloatArray, shape (J,)
-        The tabulated steps, s, the longest octave first.
-    harmonics : Harmonics
-        Frequencies of the loads.
-
-    Returns
-    -------
-    float
-        sqrt(m / EI) L^2, or 1 / Omega of the fastest load if that is less, s.
+    `step`, s, ``(J,)``, are the tabulated steps.
     """
     return float(1 / max([1 / step[0], *harmonics.omega]))
 
 
 @njit_called()
 def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
-    """How far harmonics turn in each of the tabulated steps.
-
-    Parameters
-    ----------
-    step : FloatArray, shape (J,)
-        The tabulated steps, s.
-    omega : FloatArray, shape (H,)
-        Angular frequencies, rad/s.
-
-    Returns
-    -------
-    ComplexArray, shape (J, H)
-        exp(i Omega tau).
-    """
+    """exp(i Omega tau) for the tabulated steps, s, ``(J,)``, and harmonics, rad/s, ``(H,)``; shape ``(J, H)``."""
     turned = complex_zeros((step.size, omega.size))
     for j in range(step.size):
         for h in range(omega.size):
@@ -211,24 +177,9 @@ def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
 
 
 @cached(_FLAT_STATES)
-def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
-    """The flat view of a contact state, for unit loads.
-
-    Parameters
-    ----------
-    family : Family
-        The problems that share it.
-    state : ContactState
-        The stops that are closed.
-    count : int
-        Number of modes.
-
-    Returns
-    -------
-    FlatState
-        Not to be written to.
-    """
-    problem, modal = family.problem, modal_state(family, state, count)
+def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> FlatState:
+    """The flat view of a contact state with `count` modes, for unit loads; not to be written to."""
+    problem, modal = loaded.problem, modal_state(loaded, state, count)
     omega, damping_rate = modal.modes.omega, modal.damping_rate
     roots = roots_of(omega, damping_rate)
     kind = kinds_of(roots)
@@ -254,18 +205,7 @@ def flat_state(family: Family, state: ContactState, count: int) -> FlatState:
 
 
 def stop_positions(problem: Problem) -> IntArray:
-    """Index of the position of each stop among all positions of stops, from the root to the tip.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    IntArray, shape (P,)
-        From 0 on; stops at the same position have the same index.
-    """
+    """Index of the position of each stop among all positions of stops, from the root to the tip, shape ``(P,)``."""
     x = sorted({stop.x for stop in problem.stops})
     return np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64)
 
@@ -283,7 +223,7 @@ class Unscaled(NamedTuple):
 
 
 class UnitTables(NamedTuple):
-    """Known states of a family with unit loads: ``S`` slots, at most ``N`` modes each."""
+    """Known states of a loaded structure with unit loads: ``S`` slots, at most ``N`` modes each."""
 
     tables: Tables
     unscaled: Unscaled
@@ -296,38 +236,23 @@ class UnitTables(NamedTuple):
 
 
 @cached(_UNIT_TABLES)
-def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> UnitTables:
-    """The known states of a family, in sorted order, with the known switches between them, for unit loads.
-
-    Parameters
-    ----------
-    family : Family
-        The problems that share them.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-    known : KnownStates
-        The states and switches to fill in.
-
-    Returns
-    -------
-    UnitTables
-        Not to be written to.
-    """
-    problem, size, S = family.problem, max(counts), len(known.states)
-    harmonics = Harmonics.of_unit_frequency(len(family.places))
+def unit_tables(loaded: LoadedStructure, counts: tuple[int, int], known: KnownStates) -> UnitTables:
+    """The known states, in sorted order, with the known switches between them, for unit loads; not to be written to."""
+    problem, size, S = loaded.problem, max(counts), len(known.states)
+    harmonics = Harmonics.of_unit_frequency(len(loaded.positions))
     tables = empty_tables(problem, harmonics, size, S, 2 * len(known.switches))
     U, loads = tables.constant.shape[1], tables.force.shape[1]
     borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
     unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
     for slot, state in enumerate(known.states):
-        flat = flat_state(family, state, count_in(state, counts))
+        flat = flat_state(loaded, state, count_in(state, counts))
         fill(tables, slot, flat)
         n = flat.kind.size
         unscaled.natural[slot, :n], unscaled.damping_rate[slot, :n] = flat.omega, flat.damping_rate
         unscaled.residual[slot] = flat.residual
     for state, stop in known.switches:
         other = state.toggled(stop)
-        connect(tables, family, counts, stop, (known.slots[state], state), (known.slots[other], other))
+        connect(tables, loaded, counts, stop, (known.slots[state], state), (known.slots[other], other))
     for array in tables:
         if isinstance(array, np.ndarray):
             array.flags.writeable = False
@@ -336,7 +261,7 @@ def unit_tables(family: Family, counts: tuple[int, int], known: KnownStates) -> 
 
 def connect(
     tables: Tables,
-    family: Family,
+    loaded: LoadedStructure,
     counts: tuple[int, int],
     stop: int,
     old: tuple[int, ContactState],
@@ -344,21 +269,11 @@ def connect(
 ) -> None:
     """Write the switch of a stop between two states, and the way back, for unit loads.
 
-    Parameters
-    ----------
-    tables : Tables
-        With both states, and room for two switches; changed in place.
-    family : Family
-        The problems that share these states.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-    stop : int
-        The stop that opens or closes.
-    old, new : tuple of int and ContactState
-        Slot and state, before and after the switch.
+    `tables` have both states, and room for two switches.  `old` and `new` are slot and state, before and after the
+    switch.
     """
     for (slot, state), (target, other) in ((old, new), (new, old)):
-        unit = passage(family, state, count_in(state, counts), other, count_in(other, counts))
+        unit = passage(loaded, state, count_in(state, counts), other, count_in(other, counts))
         n_new, n_old = unit.S.shape
         row = known_switches(tables)
         tables.carry[row, :n_new, :n_old] = unit.S
@@ -367,59 +282,19 @@ def connect(
 
 
 def known_switches(tables: Tables) -> int:
-    """How many switches the tables know, each way by itself.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of a joint.
-
-    Returns
-    -------
-    int
-        The number of rows of `Tables.carry` that are taken.
-    """
+    """Number of switches that the tables know, each way by itself: the rows of `Tables.carry` that are taken."""
     return int(np.count_nonzero(tables.passage >= 0))
 
 
 def count_in(state: ContactState, counts: tuple[int, int]) -> int:
-    """Number of modes in a state.
-
-    Parameters
-    ----------
-    state : ContactState
-        The stops that are closed.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-
-    Returns
-    -------
-    int
-        The number in the free state, or in every other.
-    """
+    """Number of modes in a state, of `counts` in the free state and in every other."""
     return counts[0] if state == FREE else counts[1]
 
 
 def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int) -> Tables:
-    """Tables without a state.
+    """Tables without a state, with so many slots and room for so many switches.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    harmonics : Harmonics
-        Frequencies and phases of its ``H`` harmonic loads.
-    size : int
-        Most modes in a state, ``N``.
-    slots : int
-        Number of slots ``S``.
-    switches : int
-        Number of switches ``K`` for which there is room.
-
-    Returns
-    -------
-    Tables
-        Zeros for each slot, and -1 for the slots after its switches.
+    `size` is the largest number of modes in a state.
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
@@ -456,17 +331,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
 
 
 def fill(tables: Tables, slot: int, flat: FlatState) -> None:
-    """Write a state with unit loads into its slot, but for the answer to the harmonics.
-
-    Parameters
-    ----------
-    tables : Tables
-        Changed in place.
-    slot : int
-        A slot that has no state yet.
-    flat : FlatState
-        The state.
-    """
+    """Write a state with unit loads into its empty slot, but for the answer to the harmonics."""
     n, terms = flat.kind.size, flat.root.size
     tables.modes[slot], tables.terms[slot], tables.fastest[slot] = n, terms, flat.fastest
     tables.kind[slot, :n] = flat.kind
@@ -482,22 +347,11 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
 
 
 def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray, side: float = ABOVE) -> None:
-    """Scale slots from unit loads to an excitation, and write the answer to its harmonics.
+    """Scale slots from the `first` on to an excitation, and write the answer to its harmonics.
 
-    Parameters
-    ----------
-    unit : Tables
-        The states, for unit loads, in the same slots; they may be `tables`.
-    tables : Tables
-        With the frequencies and phases of the harmonics; changed in place.
-    first : int
-        First of ``S`` slots.
-    unscaled : Unscaled
-        Of these states.
-    sizes : ndarray, shape (1 + H + R,)
-        Factors of the unit loads, with the units of `analytic.march.loads.load_sizes`.
-    side : float
-        To which side undamped modes are moved that a load meets; see `analytic.march.oscillator.away_from_resonance`.
+    `unit` has the states, for unit loads, in the same slots, and may be `tables`; `tables`, with the frequencies and
+    phases of the harmonics, are changed.  `sizes`, ``(1 + H + R,)``, are as in `analytic.march.loads.Excitation`, and
+    `side` as in `analytic.march.oscillator.away_from_resonance`.
     """
     omega = unscaled.natural.copy()
     answers = tables.omega, tables.weight, tables.harmonic, tables.forced
@@ -521,10 +375,10 @@ def _scale(
     sizes: FloatArray,
     side: float,
 ) -> bool:
-    """`scale`, but for the free motion of modes that are moved; whether there are any.  `omega` takes their frequency.
+    """`scale`, but for the free motion of moved modes, whose frequencies `omega` takes; whether there are any.
 
-    Sums are formed mode by mode, so that a state has the same bits in whichever slot it is.  To hand over these few
-    arrays takes a fifth of the time that all tables would.
+    Sums are formed mode by mode, so that a state has the same bits in any slot.  To hand over these few arrays takes a
+    fifth of the time that all tables would.
     """
     moved = False
     for row in range(omega.shape[0]):
@@ -556,38 +410,15 @@ def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: Fl
 
 
 def owned(tables: Tables) -> Tables:
-    """Tables of which no array is borrowed.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of a joint.
-
-    Returns
-    -------
-    Tables
-        A copy.
-    """
+    """A copy of tables, of which no array is borrowed."""
     return Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in tables)
 
 
 def copied(unit: UnitTables, harmonics: Harmonics, sizes: FloatArray) -> Tables:
     """The known states with a joint's harmonics, and the known switches under its loads, but for what `scale` writes.
 
-    Parameters
-    ----------
-    unit : UnitTables
-        The known states.
-    harmonics : Harmonics
-        Frequencies and phases of the joint's ``H`` harmonic loads.
-    sizes : ndarray, shape (1 + H + R,)
-        Factors of the unit loads, as `scale` takes them.
-
-    Returns
-    -------
-    Tables
-        Of what `scale` writes to, arrays of the joint's own, with anything in them; the rest is borrowed, and `owned`
-        makes it the joint's own before it is written to.
+    `sizes`, ``(1 + H + R,)``, are as in `scale`.  The arrays that `scale` writes to are the joint's own, with anything
+    in them; the others are borrowed, and `owned` makes them the joint's own before they are written to.
     """
     borrowed, H = unit.borrowed, harmonics.omega.size
     (S, _, N), U = borrowed.harmonic.shape, borrowed.forced.shape[1]

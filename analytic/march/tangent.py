@@ -8,8 +8,8 @@ where J is the linear part of the passage, b the rate of its time-dependent part
 by how much later a deviation switches, and h the gap function, which sets the time of the switch where it comes to c.
 Under modal damping f jumps at a switch even though the spring force does not.
 
-That level c is 0, but where the modes of a state make something above 0 of it when the state begins, as either those
-before or these are truncated, c is that, see `analytic.march.segment`.  So a deviation has its own level,
+The level c is 0 unless h is above 0 when the state begins, because the modes of the states before and after a switch
+are truncated; then c is that first h, see `analytic.march.segment`.  A deviation therefore has its own level,
 
     dc = grad h . dy_new + h' dt,
 
@@ -32,32 +32,16 @@ from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _DIED_OUT = -37.0
-"""Logarithm of what is left of the free motion of a mode when it counts as died out: 1e-16, as a number has sixteen
-digits."""
+"""Logarithm of the part of a mode's free motion that is left when it counts as died out: 1e-16, the rounding of 1."""
 _NOTHING = 1e-60
-"""Deviations smaller than this, kg^1/2 m or kg^1/2 m/s, become zero as they flow.  Those of fast modes die out to
-numbers near 1e-308, of which processors multiply one in the time of fifty others: that was a fifth of the time of a
-branch.  Carried are units, whose largest rest is seldom below 1e-10, and of whose sums nothing below 1e-30 is left."""
+"""Size, kg^1/2 m or kg^1/2 m/s, below which deviations become zero as they flow.  Those of fast modes die out to
+numbers near 1e-308, which processors multiply fifty times more slowly: a fifth of the time of a branch.  Deviations
+begin as units; their largest rest is seldom below 1e-10, and parts below 1e-30 vanish in sums."""
 
 
 @njit_inner()
 def living(tables: Tables, slot: int, s: float) -> int:
-    """How many modes of a state, the slowest ones, have a free motion left after some time.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    s : float
-        How long, s.
-
-    Returns
-    -------
-    int
-        Those of all others have died out.
-    """
+    """Number of modes of a state, the slowest ones, whose free motion has not died out after `s` seconds."""
     n = int(tables.modes[slot])
     while n > 0 and tables.kind[slot, n - 1] == OSCILLATING and tables.root[slot, n - 1].real * s < _DIED_OUT:
         n -= 1
@@ -66,25 +50,10 @@ def living(tables: Tables, slot: int, s: float) -> int:
 
 @njit_inner()
 def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray) -> int:
-    """Carry deviations over some time within a state.
+    """Carry deviations `now`, ``(2 N, m)``, over `s` seconds within a state, to `then`, which may be `now`.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    s : float
-        How long, s.
-    now : FloatArray, shape (2 N, m)
-        Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, as columns, of the ``N`` modes of the state.
-    then : FloatArray, shape (2 N, m)
-        Takes them after that time; it may be `now`.
-
-    Returns
-    -------
-    int
-        `living`: those of the other modes are zero.
+    Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  Returned is `living`: the deviations of the other modes
+    are zero.
     """
     n, live = tables.modes[slot], living(tables, slot, s)
     extra = n
@@ -149,25 +118,12 @@ class Switching(NamedTuple):
     before: FloatArray
     """Rates of the motion just before a switch, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
     after: FloatArray
-    """The same just after it."""
+    """Rates of the motion just after a switch, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``."""
 
 
 @njit_inner()
 def new_switching(level: FloatArray, modes: int) -> Switching:
-    """Scratch arrays for the switches of a march.
-
-    Parameters
-    ----------
-    level : FloatArray, shape (P, m)
-        At which level each stop switches next, m, for most deviations ``m``.
-    modes : int
-        Most modes of a state.
-
-    Returns
-    -------
-    Switching
-        Besides `level`, filled with zeros.
-    """
+    """Scratch arrays, filled with zeros, for the switches of a march with levels `level`, m, ``(P, m)``."""
     return Switching(zeros(level.shape[1]), level, zeros(2 * modes), zeros(2 * modes))
 
 
@@ -187,29 +143,12 @@ def saltation(
     then: FloatArray,
     work: Switching,
 ) -> None:
-    """Carry deviations over a switch.
+    """Carry deviations `now`, ``(2 N_old, m)``, over a switch of stop `k` in state `old` to `then`, ``(2 N_new, m)``.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    old, k : int
-        The state before, and the stop that switches.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, at the switch.
-    rate : float
-        With which h', m/s.
-    q_old, v_old, q_new, v_new : ndarray, shape (N,)
-        The motion just before and just after, kg^1/2 m and kg^1/2 m/s.
-    live : int
-        Number of modes, the slowest ones, of which the deviations are not zero.
-    now : ndarray, shape (2 N_old, m)
-        Deviations (dq, dv) just before the switch, kg^1/2 m and kg^1/2 m/s, as columns.
-    then : ndarray, shape (2 N_new, m)
-        Takes the deviations just after it.
-    work : Switching
-        Its `delay` takes how much later each deviation switches; its `level` is read, and to be written anew by
-        `set_levels`.
+    The motion, kg^1/2 m and kg^1/2 m/s, ``(N,)``, is `q_old` and `v_old` just before the switch, `q_new` and `v_new`
+    just after; `rate` is h' at the switch, m/s, and `theta`, ``(H,)``, exp(i theta_h).  Only the deviations of the
+    `live` slowest modes are not zero.  `work.delay` takes how much later each deviation switches; `work.level` is read,
+    and `set_levels` has to write it anew.
     """
     new = tables.next_slot[old, k]
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
@@ -259,24 +198,10 @@ def set_levels(
     now: FloatArray,
     work: Switching,
 ) -> None:
-    """Write at which levels deviations switch next, at the beginning of a state.
+    """Write to `work.level` at which levels deviations `now`, ``(2 N, m)``, switch next, at the beginning of a state.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    switched : bool
-        Whether it begins with a switch.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, then.
-    q, v : FloatArray, shape (N,)
-        The motion then, kg^1/2 m and kg^1/2 m/s.
-    now : FloatArray, shape (2 N, m)
-        Deviations (dq, dv) then, kg^1/2 m and kg^1/2 m/s, as columns.
-    work : Switching
-        Its `level` is written; its `delay` says by how much later each began the state, if that was with a switch.
+    `theta`, ``(H,)``, `q` and `v`, ``(N,)``, are those of the motion then.  If the state begins with a switch,
+    `switched`, `work.delay` says by how much later each deviation began it.
     """
     level, m = work.level, now.shape[1]
     for k in range(tables.sign.size):

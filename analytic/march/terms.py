@@ -32,7 +32,7 @@ from lapjoint.problem import FloatArray
 
 SERIES = 0.25
 """|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
-_ROUNDING = 1e-17  # of 1: what is smaller changes no bit of a sum near 1
+_ROUNDING = 1e-17  # largest number that changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
 _OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n (2 n - 1))
 _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
@@ -40,17 +40,7 @@ _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
 
 @njit_inner(inline="always")
 def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
-    """Write the phases of the harmonics at a time.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    t : float
-        The time, s.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit; written.
-    """
+    """Write the phases of the harmonics, exp(i theta_h), at the time `t`, s."""
     for h in range(theta.size):
         angle = tables.omega[h] * t + tables.phase[h]
         theta[h] = complex(math.cos(angle), math.sin(angle))
@@ -60,23 +50,7 @@ def set_phases(tables: Tables, t: float, theta: ComplexArray) -> None:
 def start_terms(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, term: ComplexArray, poly: FloatArray
 ) -> None:
-    """Write the constants of (32) of a state that starts from given displacements and velocities.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, at the start.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start.
-    term : ComplexArray, shape (T,)
-        The c_t, kg^1/2 m; written.
-    poly : FloatArray, shape (N, 3)
-        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s; written.
-    """
+    """Write the constants of (32), `term`, ``(T,)``, and `poly`, ``(N, 3)``, of a state that starts from `q`, `v`."""
     n = tables.modes[slot]
     extra = n
     for i in range(n):
@@ -113,24 +87,9 @@ def start_all_terms(
     term: ComplexArray,
     poly: FloatArray,
 ) -> None:
-    """Write phases and constants of ``M`` segments in one state; see `set_phases` and `start_terms`.
+    """Write phases and constants of ``M`` segments in one state that start at `start`, s, ``(M,)``.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    start : FloatArray, shape (M,)
-        When each starts, s.
-    q, v : FloatArray, shape (M, N)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start.
-    theta : ComplexArray, shape (M, H)
-        exp(i theta_h), without unit, at the start; written.
-    term : ComplexArray, shape (M, T)
-        The c_t, kg^1/2 m; written.
-    poly : FloatArray, shape (M, N, 3)
-        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s; written.
+    All arrays have ``M`` rows of those of `set_phases` and `start_terms`.
     """
     for i in range(start.size):
         set_phases(tables, start[i], theta[i])
@@ -148,25 +107,7 @@ def state_from_terms(
     q: FloatArray,
     v: FloatArray,
 ) -> None:
-    """Write the displacements and velocities that belong to terms and phases.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit, now.
-    s : float
-        Time since the start of the state, s.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m.
-    poly : FloatArray, shape (N, 3)
-        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s.
-    q, v : FloatArray, shape (N,)
-        Modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, now; written.
-    """
+    """Write the `q` and `v`, ``(N,)``, that belong to terms and phases `s` seconds after the start."""
     n, terms = tables.modes[slot], tables.terms[slot]
     for i in range(n):
         q[i] = poly[i, 0] + s * (poly[i, 1] + s * poly[i, 2])
@@ -183,9 +124,9 @@ def state_from_terms(
 
 @njit_inner()
 def tabulated(tau: float, step: FloatArray) -> int:
-    """Index of the longest tabulated step of `step`, s, shape ``(J,)``, up to `tau`, s, which is no shorter than all.
+    """Index of the longest tabulated step of `step`, s, ``(J,)``, up to `tau`, s, which is at least the shortest.
 
-    See `analytic.march.tables.OCTAVES`: of a `tau` up to twice the first step, it leaves a fifth at most.
+    See `analytic.march.tables.OCTAVES`: the step is at least four fifths of a `tau` up to twice the first step.
     """
     fraction, exponent = math.frexp(tau / step[0])  # tau = fraction 2^exponent of the first, fraction in [1/2, 1)
     if exponent > 1:
@@ -200,18 +141,8 @@ def turn_by(
 ) -> None:
     """Move terms and phases on by a tabulated step, in place.
 
-    Parameters
-    ----------
-    turn : ComplexArray, shape (T,)
-        exp(lambda tau) of each term, without unit.
-    harmonic_turn : ComplexArray, shape (H,)
-        exp(i Omega tau) of each harmonic, without unit.
-    terms : int
-        Number of terms; arrays of shape ``(T,)`` may be longer.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit; changed in place.
+    `turn`, ``(T,)``, is exp(lambda tau) of each of the first `terms` terms, and `harmonic_turn`, ``(H,)``, exp(i Omega
+    tau).
     """
     for t in range(terms):
         term[t] *= turn[t]
@@ -229,24 +160,9 @@ def turn_briefly(
     term: ComplexArray,
     theta: ComplexArray,
 ) -> None:
-    """Move terms and phases on by a time, in place: by a short series if `fastest` times `tau` is at most `SERIES`.
+    """Move terms and phases on by `tau` seconds, in place, by a short series up to `SERIES` of the fastest turn.
 
-    Parameters
-    ----------
-    root : ComplexArray, shape (T,)
-        lambda of each term, 1/s.
-    omega : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s.
-    terms : int
-        Number of terms; arrays of shape ``(T,)`` may be longer.
-    fastest : float
-        Largest modulus of the lambdas, 1/s.
-    tau : float
-        The time, s.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit; changed in place.
+    `fastest`, 1/s, is the largest modulus of `root`; the other arguments are those of `turn_exactly`.
     """
     if fastest * tau > SERIES:
         turn_exactly(root, omega, terms, tau, term, theta)
@@ -273,22 +189,10 @@ def turn_briefly(
 def turn_exactly(
     root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Move terms and phases on by any time, in place.
+    """Move terms and phases on by any time `tau`, s, in place.
 
-    Parameters
-    ----------
-    root : ComplexArray, shape (T,)
-        lambda of each term, 1/s.
-    omega : FloatArray, shape (H,)
-        Angular frequencies of the harmonics, rad/s.
-    terms : int
-        Number of terms; arrays of shape ``(T,)`` may be longer.
-    tau : float
-        The time, s.
-    term : ComplexArray, shape (T,)
-        c_t exp(lambda_t s) of each term, kg^1/2 m; changed in place.
-    theta : ComplexArray, shape (H,)
-        exp(i theta_h), without unit; changed in place.
+    `root`, 1/s, ``(T,)``, is lambda of each of the first `terms` terms, and `omega`, rad/s, ``(H,)``, the frequency of
+    each harmonic.
     """
     for t in range(terms):
         a, b = root[t].real * tau, root[t].imag * tau
@@ -300,19 +204,7 @@ def turn_exactly(
 
 @njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
-    """Write the part of z at the positions of the stops that is a polynomial in time.
-
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint.
-    slot : int
-        The state.
-    poly : FloatArray, shape (N, 3)
-        The coefficients a_i of 1, s, s^2, kg^1/2 m over powers of s.
-    drift : FloatArray, shape (U, 3)
-        The coefficients of 1, s, s^2 of z, m over powers of s; written.
-    """
+    """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m over powers of s."""
     for u in range(drift.shape[0]):
         drift[u, 0] = tables.constant[slot, u]
         drift[u, 1] = 0.0

@@ -1,4 +1,4 @@
-r"""Which stops are closed at t = 0, also where the beam touches a stop with one or more vanishing derivatives.
+r"""Which stops are closed at t = 0, also where the beam touches a stop and derivatives of the gap function vanish.
 
 A stop beyond its gap is closed.  Where the beam is at the gap, the first time derivative of the gap function that is
 not 0 decides: if it is positive, the stop is closed from t = 0 on; if it is negative, the beam departs and the stop is
@@ -14,8 +14,9 @@ is free of rounding where the beam is displaced as a rigid body.  A derivative t
 as 0.  A stop that one order closes drives the higher ones by its spring, so the contact state follows from order to
 order.
 
-The modes that are left out follow the loads at once, which at t = 0 they do not: within a period of the fastest mode
-they may take the beam to the wrong side of a stop.  What the second or a higher derivative decides is held for so long.
+The modes that are left out follow the loads at once here, but not in truth at t = 0: within a period of the fastest
+mode they may take the beam to the wrong side of a stop.  For that period a stop is held if the second or a higher
+derivative decides.
 """
 
 from __future__ import annotations
@@ -30,28 +31,18 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
 HIGHEST = 6
-"""The highest order of a derivative that is looked at: that of a beam at rest under a force that begins with t^4."""
+"""Highest order of a derivative that is looked at: a force that begins with t^4 moves a beam at rest in this order."""
 _ROUNDING = 64 * float(np.finfo(float).eps)
-"""Rounding error of a sum over that of the moduli of what is added, without unit, for some hundred terms."""
+"""Rounding error of a sum of some hundred terms, relative to the sum of their moduli."""
 Rounded = tuple[FloatArray, FloatArray]
 """Values with their rounding errors, of the same shape and unit."""
 _NOTHING: Rounded = np.zeros(1), np.zeros(1)
 
 
 def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
-    """The stops that are closed at t = 0, and those of which the second or a higher derivative decides.
+    """The contact state at t = 0, and the stops that a beam at rest touches then and presses, or departs from.
 
-    Parameters
-    ----------
-    joint : Joint
-        The problem and its modes.
-
-    Returns
-    -------
-    ContactState
-        The stops that are closed.
-    tuple of int
-        The stops, closed or open, that a beam at rest touches at t = 0 and then presses or departs from.
+    Of the stops touched, closed or open, the second or a higher derivative decides.
     """
     problem = joint.problem
     closed, touching = by_displacement_and_velocity(problem)
@@ -68,20 +59,7 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
 
 
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
-    """The stops that the initial state closes, and those that it leaves undecided.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-
-    Returns
-    -------
-    list of int
-        The stops beyond whose gap the beam is, or at whose gap it moves outwards.
-    list of int
-        The stops at whose gap it is at rest.
-    """
+    """The stops that the initial state closes, and the undecided ones, at whose gap the beam is at rest."""
     closed, touching, initial = [], [], problem.initial
     along = np.linspace(0.0, problem.beam.length, 65)
     far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))
@@ -118,7 +96,7 @@ def _times(factor: FloatArray, one: Rounded) -> Rounded:
 
 
 def _difference(first: Rounded, *others: Rounded) -> Rounded:
-    """What is left of values after others are taken away."""
+    """Values less other values, 0 where the rest is below its rounding error."""
     value, error = first[0].copy(), first[1].copy()
     for other in others:
         value -= other[0]

@@ -23,8 +23,9 @@ from lapjoint.problem import FloatArray
 ComplexArray = npt.NDArray[np.complex128]
 IntArray = npt.NDArray[np.int64]
 
-_NEAR = 0.02
-"""Of mu^4: functions that differ by less are multiplied term by term, as boundary terms would lose two digits."""
+NEAR = 0.02
+"""Relative difference of two mu^4 below which functions are multiplied term by term: boundary terms would lose two
+digits there."""
 
 
 @dataclass(frozen=True)
@@ -55,64 +56,20 @@ class BeamFunctions:
         return np.asarray(values)
 
     def scaled(self, factors: FloatArray) -> BeamFunctions:
-        """Each function times its factor.
-
-        Parameters
-        ----------
-        factors : FloatArray, shape (n,)
-            The factors, in any unit.
-
-        Returns
-        -------
-        BeamFunctions
-            As many functions.
-        """
+        """Each function times its factor, shape ``(n,)``."""
         f = factors[:, None, None]
         return BeamFunctions(self.nodes, self.mu, self.right, self.c * f, self.p * f)
 
     def head(self, count: int) -> BeamFunctions:
-        """The first functions of the family.
-
-        Parameters
-        ----------
-        count : int
-            How many.
-
-        Returns
-        -------
-        BeamFunctions
-            `count` functions.
-        """
+        """The first `count` functions of the family."""
         return self.chosen(slice(count))
 
     def chosen(self, which: IntArray | slice) -> BeamFunctions:
-        """Some functions of the family.
-
-        Parameters
-        ----------
-        which : IntArray, shape (m,), or slice
-            Their indices.
-
-        Returns
-        -------
-        BeamFunctions
-            Those functions.
-        """
+        """The functions with the indices `which`, shape ``(m,)``, or in a slice."""
         return BeamFunctions(self.nodes, self.mu[which], self.right, self.c[which], self.p[which])
 
     def on(self, nodes: FloatArray) -> BeamFunctions:
-        """The same functions on shorter spans.
-
-        Parameters
-        ----------
-        nodes : FloatArray, shape (T + 1,)
-            Ends of those spans, m, ascending; the ends of the present ones are among them.
-
-        Returns
-        -------
-        BeamFunctions
-            As many functions.
-        """
+        """The functions on shorter spans, whose ends, m, shape ``(T + 1,)``, include the present ones."""
         if nodes.size == self.nodes.size:
             return self
         span = np.searchsorted(self.nodes, nodes[:-1], side="right") - 1
@@ -124,18 +81,7 @@ class BeamFunctions:
         return BeamFunctions(nodes, self.mu, self.right, self.c[:, span] * moved, self.p[:, span])
 
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
-        """Combinations ``matrix @ functions`` of functions whose exponents are the same.
-
-        Parameters
-        ----------
-        matrix : FloatArray, shape (n, n)
-            One combination a row.
-
-        Returns
-        -------
-        BeamFunctions
-            As many functions.
-        """
+        """Combinations ``matrix @ functions`` of functions with equal exponents; `matrix` is ``(n, n)``."""
         return BeamFunctions(
             self.nodes,
             self.mu,
@@ -146,18 +92,7 @@ class BeamFunctions:
 
 
 def integral(f: BeamFunctions) -> FloatArray:
-    """Integral of each function over the beam.
-
-    Parameters
-    ----------
-    f : BeamFunctions
-        ``n`` functions.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        In the unit of the functions, times m.
-    """
+    """Integral of each function over the beam, in the unit of the functions times m, shape ``(n,)``."""
     one = BeamFunctions(
         f.nodes,
         np.zeros((1, 0), dtype=complex),
@@ -168,25 +103,17 @@ def integral(f: BeamFunctions) -> FloatArray:
     return gram(f, one)[:, 0]
 
 
-def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
-    """Integrals of ``f_i g_j`` over the beam.
+def gram(f: BeamFunctions, g: BeamFunctions, near: float = NEAR) -> FloatArray:
+    """Integrals of ``f_i g_j`` over the beam, in the product of the units times m, shape ``(n_f, n_g)``.
 
-    Parameters
-    ----------
-    f, g : BeamFunctions
-        Two families on the same beam, of ``n_f`` and ``n_g`` functions.
-
-    Returns
-    -------
-    FloatArray, shape (n_f, n_g)
-        In the product of the units of the functions, times m.
+    Functions whose mu^4 differ by less than `near`, relatively, are multiplied term by term.
     """
     nodes = np.union1d(f.nodes, g.nodes)
     f, g = f.on(nodes), g.on(nodes)
     a, b = _fourth_powers(f)[:, None], _fourth_powers(g)[None, :]
-    near = np.abs(a - b) <= _NEAR * np.maximum(np.abs(a), np.abs(b))
-    total = np.where(near, 0.0, _boundary_terms(f, g) / np.where(near, 1.0, a - b))
-    rows, columns = np.nonzero(near)
+    close = np.abs(a - b) <= near * np.maximum(np.abs(a), np.abs(b))
+    total = np.where(close, 0.0, _boundary_terms(f, g) / np.where(close, 1.0, a - b))
+    rows, columns = np.nonzero(close)
     total[rows, columns] = _waves_waves(f, rows, g, columns)
     for s in range(f.nodes.size - 1):
         _add_polynomials(total, f, g, s)
@@ -194,18 +121,7 @@ def gram(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
 
 
 def squares(f: BeamFunctions) -> FloatArray:
-    """Integrals of ``f_i^2`` over the beam: the diagonal of `gram`, without the rest of it.
-
-    Parameters
-    ----------
-    f : BeamFunctions
-        ``n`` functions.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        In the square of the unit of the functions, times m.
-    """
+    """Integrals of ``f_i^2`` over the beam, shape ``(n,)``: the diagonal of `gram`, without the other products."""
     every = np.arange(f.mu.shape[0])
     total = _waves_waves(f, every, f, every)
     for i in np.flatnonzero(f.p.any(axis=(1, 2))):
@@ -240,7 +156,7 @@ def _waves_at_ends(f: BeamFunctions) -> FloatArray:
 
 
 def _waves_waves(f: BeamFunctions, rows: IntArray, g: BeamFunctions, columns: IntArray) -> FloatArray:
-    """The share of the exponentials of pairs of functions: Re u Re v = Re (u v + u conj v) / 2, shape ``(pairs,)``."""
+    """The integral of the exponentials of pairs of functions: Re u Re v = Re (u v + u conj v) / 2, ``(pairs,)``."""
     total = np.zeros(rows.size)
     for s in range(f.nodes.size - 1):
         x0, x1 = f.nodes[s], f.nodes[s + 1]
@@ -268,7 +184,7 @@ def _exponential_integral(mu: ComplexArray, nu: ComplexArray, a: float, b: float
 
 
 def _add_polynomials(total: FloatArray, f: BeamFunctions, g: BeamFunctions, s: int) -> None:
-    """Add the share of the polynomials on span `s`, which few functions have, to `total`, shape ``(n_f, n_g)``."""
+    """Add the integrals with the polynomials on span `s`, which few functions have, to `total`, ``(n_f, n_g)``."""
     in_f, in_g = np.flatnonzero(f.p[:, s].any(axis=1)), np.flatnonzero(g.p[:, s].any(axis=1))
     if in_g.size:
         total[:, in_g] += _waves_polynomials(f, g.chosen(in_g), s)
@@ -279,7 +195,7 @@ def _add_polynomials(total: FloatArray, f: BeamFunctions, g: BeamFunctions, s: i
 
 
 def _waves_polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
-    """The share of the exponentials of `f` and the polynomials of `g`, on span `s`."""
+    """The integrals of the exponentials of `f` times the polynomials of `g`, on span `s`."""
     total = np.zeros((f.mu.shape[0], g.mu.shape[0]))
     x0, x1 = f.nodes[s], f.nodes[s + 1]
     p0, p1 = g.p[None, :, s, 0], g.p[None, :, s, 1]
@@ -296,7 +212,7 @@ def _waves_polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray
 
 
 def _polynomials(f: BeamFunctions, g: BeamFunctions, s: int) -> FloatArray:
-    """The share of the polynomials of both, on span `s`."""
+    """The integrals of the polynomials of `f` times those of `g`, on span `s`."""
     x0, x1 = f.nodes[s], f.nodes[s + 1]
     f0, f1, g0, g1 = f.p[:, s, 0, None], f.p[:, s, 1, None], g.p[None, :, s, 0], g.p[None, :, s, 1]
     length, square, cube = x1 - x0, (x1**2 - x0**2) / 2, (x1**3 - x0**3) / 3

@@ -17,7 +17,7 @@ from analytic.modes.beam_functions import BeamFunctions, ComplexArray
 from analytic.modes.characteristic_equation import Layout
 from lapjoint.problem import FloatArray
 
-BAND = 5  # diagonals on each side of the main one that hold anything: a node's rows reach over the spans beside it
+BAND = 5  # nonzero diagonals on each side of the main one: the rows of a node reach over the two spans beside it
 
 
 @dataclass(frozen=True)
@@ -34,21 +34,10 @@ class Waves:
     """Coefficient of each exponential in each of the four waves, shape ``(4, J)``."""
 
     def functions(self, nodes: FloatArray, amplitudes: FloatArray, length: float) -> BeamFunctions:
-        """The functions of x that given amplitudes of the waves make.
+        """The ``n`` functions of x that the amplitudes of the waves, shape ``(n, S, 4)``, make.
 
-        Parameters
-        ----------
-        nodes : FloatArray, shape (S + 1,)
-            Ends of the spans, m.
-        amplitudes : FloatArray, shape (n, S, 4)
-            Amplitude of each wave on each span, in the unit that the functions are to have.
-        length : float
-            Length of the beam, m.
-
-        Returns
-        -------
-        BeamFunctions
-            ``n`` functions.
+        `nodes`, shape ``(S + 1,)``, are the ends of the spans, and `length` is that of the beam, m.  The functions have
+        the unit of the amplitudes.
         """
         n, spans = amplitudes.shape[:2]
         c = np.einsum("nsw,wj->nsj", amplitudes, self.selection)
@@ -56,36 +45,14 @@ class Waves:
 
 
 def mode_waves(z: FloatArray) -> Waves:
-    """sin, cos and the two decaying exponentials of (12).
-
-    Parameters
-    ----------
-    z : FloatArray, shape (n,)
-        Wave numbers beta L, without unit.
-
-    Returns
-    -------
-    Waves
-        Four waves for each wave number.
-    """
+    """sin, cos and the two decaying exponentials of (12), for wave numbers beta L, shape ``(n,)``."""
     mu = np.stack([1j * z, -z.astype(complex), z.astype(complex)], axis=1)
     selection = np.array([[-1j, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], dtype=complex)
     return Waves(mu, z, np.array([False, False, True]), selection)
 
 
 def foundation_waves(z: FloatArray) -> Waves:
-    """The four waves of a beam on an elastic foundation, phi'''' + 4 z^4 phi = 0.
-
-    Parameters
-    ----------
-    z : FloatArray, shape (n,)
-        Wave numbers, times L, without unit.
-
-    Returns
-    -------
-    Waves
-        Four waves for each wave number.
-    """
+    """The waves of a beam on an elastic foundation, phi'''' + 4 z^4 phi = 0, for wave numbers times L, ``(n,)``."""
     mu = np.stack([z * (-1 + 1j), z * (1 + 1j)], axis=1)
     selection = np.array([[1, 0], [-1j, 0], [0, 1], [0, -1j]], dtype=complex)
     return Waves(mu, z, np.array([False, True]), selection)
@@ -102,22 +69,11 @@ def _end_values(waves: Waves, length: float, at_right: bool) -> FloatArray:
 
 
 def boundary_band(layout: Layout, waves: Waves) -> FloatArray:
-    """The matrix [g] of (15) by its diagonals: two rows at each end, four at each inner node.
+    """The matrix [g] of (15) for ``n`` wave numbers, by its diagonals, shape ``(n, 2 BAND + 1, 4 S)``, without unit.
 
-    At each node the last two rows are the moment and the force balance, each divided by 1 plus the scaled
-    stiffness; inner nodes have the continuity of deflection and slope before them.
-
-    Parameters
-    ----------
-    layout : Layout
-        The beam with its springs, of ``S`` spans.
-    waves : Waves
-        The waves on every span, for ``n`` wave numbers.
-
-    Returns
-    -------
-    FloatArray, shape (n, 2 BAND + 1, 4 S)
-        Element (i, j) of the matrix stands in row BAND + i - j and column j; without unit.
+    Element (i, j) of the matrix stands in row BAND + i - j and column j.  There are two rows for each end and four for
+    each inner node.  At each node the last two rows are the moment and the force balance, each divided by 1 plus the
+    scaled stiffness; inner nodes have the continuity of deflection and slope before them.
     """
     spans, n = layout.spans.size, waves.scale.size
     band = np.zeros((n, 2 * BAND + 1, 4 * spans))
@@ -150,18 +106,7 @@ def boundary_band(layout: Layout, waves: Waves) -> FloatArray:
 
 
 def whole(band: FloatArray) -> FloatArray:
-    """Matrices from their diagonals.
-
-    Parameters
-    ----------
-    band : FloatArray, shape (n, 2 BAND + 1, m)
-        As `boundary_band` gives them.
-
-    Returns
-    -------
-    FloatArray, shape (n, m, m)
-        The same matrices.
-    """
+    """Matrices, ``(n, m, m)``, from their diagonals, ``(n, 2 BAND + 1, m)``, as `boundary_band` gives them."""
     size = band.shape[2]
     matrix = np.zeros((band.shape[0], size, size))
     for offset in range(-BAND, BAND + 1):
@@ -179,19 +124,6 @@ def _balance_weights(stiffness: float, scale: FloatArray, sign: float) -> tuple[
 
 
 def force_row(layout: Layout, node: int) -> int:
-    """Index of the force balance row of a node in `boundary_band`.
-
-    Parameters
-    ----------
-    layout : Layout
-        The beam with its springs.
-    node : int
-        Index of the node.
-
-    Returns
-    -------
-    int
-        The row.
-    """
+    """Row of the force balance of a node in `boundary_band`."""
     last = 1 + 4 * node
     return last if node < layout.spans.size else 4 * layout.spans.size - 1

@@ -49,9 +49,9 @@ from lapjoint.problem import FloatArray, Problem
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-_ERROR = 1e-12  # relative error of a root up to which it is returned: some thousand rounding errors
-_SMALL = 1e-100  # minors below it are scaled up: double precision has 200 digits left for the spans beyond
-_SERIES_BELOW = 1.0  # z length: below it the two differences that cancel are summed as series; 8 terms give 1e-20
+_ERROR = 1e-12  # largest relative error of a root, some thousand rounding errors
+_SMALL = 1e-100  # size below which minors are scaled up: 200 decades are left above the least double
+_SERIES_BELOW = 1.0  # z length below which two differences that cancel are summed as series; 8 terms give 1e-20
 
 
 @dataclass(frozen=True)
@@ -82,39 +82,13 @@ class Layout:
 
 
 def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
-    """Ends of the beam and every point where something acts; open stops do not.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    closed : tuple of int
-        The closed stops.
-
-    Returns
-    -------
-    FloatArray, shape (nodes,)
-        Positions, m, ascending.
-    """
+    """Positions, m, ascending, of the ends of the beam and of all that acts on it; open stops do not."""
     parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads)
     return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
 
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
-    """The beam with its supports and its closed stops as springs.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    closed : tuple of int
-        The closed stops.
-
-    Returns
-    -------
-    Layout
-        The nodes of the beam, and the springs at them.
-    """
+    """The beam with its supports and its `closed` stops as springs."""
     beam, x = problem.beam, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
     for support in problem.supports:
@@ -128,20 +102,7 @@ def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
 
 
 def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
-    """The characteristic function F, times a positive factor.
-
-    Parameters
-    ----------
-    layout : Layout
-        The beam with its springs.
-    z : FloatArray, shape (n,)
-        Trial values of beta L, positive, without unit.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        Without unit; 0 at a natural frequency.
-    """
+    """The characteristic function F times a positive factor, without unit, at trial values beta L > 0, ``(n,)``."""
     zero = np.zeros_like(z)
     minors = (np.ones_like(z), zero, zero, zero, zero)
     for i, length in enumerate([*layout.spans, None]):
@@ -154,7 +115,7 @@ def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
 Minors = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """A, B, C, D and F at a position, each of shape ``(n,)``."""
 SpanFunctions = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-"""What takes the minors over a span, each of shape ``(n,)``; see `_span_functions`."""
+"""Factors with which minors go over a span, each of shape ``(n,)``; see `_span_functions`."""
 
 
 def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
@@ -232,7 +193,7 @@ def _one_minus_cos_cosh(s: FloatArray) -> FloatArray:
 
 
 def _series(s: FloatArray, coefficients: list[float]) -> FloatArray:
-    """sum_n a_n (-4 s^4)^n for s below `_SERIES_BELOW`; of others something finite."""
+    """sum_n a_n (-4 s^4)^n for s below `_SERIES_BELOW`; something finite for larger s."""
     x = -4 * np.minimum(s, _SERIES_BELOW) ** 4
     total = np.zeros_like(s)
     for coefficient in reversed(coefficients):
@@ -246,22 +207,9 @@ _SIN_COSH_LESS = [4 / math.factorial(4 * n + 3) for n in range(8)]
 
 
 def count_below(layout: Layout, z: FloatArray) -> IntArray:
-    """Number of natural frequencies below each trial value.
+    """Number of natural frequencies, rigid-body modes included, below each trial value beta L > 0, shape ``(n,)``.
 
-    Rigid-body modes count.  The number is right unless a trial value is a frequency itself to within a few rounding
-    errors.
-
-    Parameters
-    ----------
-    layout : Layout
-        The beam with its springs.
-    z : FloatArray, shape (n,)
-        Trial values of beta L, positive, without unit.
-
-    Returns
-    -------
-    IntArray, shape (n,)
-        The numbers.
+    The number is right unless a trial value is a frequency itself to within a few rounding errors.
     """
     count = sum((_clamped_span_count(z * length) for length in layout.spans), np.zeros(z.shape, dtype=int))
     zero = np.zeros_like(z)
@@ -301,27 +249,11 @@ def _clamped_span_count(s: FloatArray) -> IntArray:
 
 
 def frequencies(layout: Layout, count: int) -> FloatArray:
-    """The lowest natural frequencies, as roots z = beta L.
+    """The `count` lowest natural frequencies as roots beta L, shape ``(count,)``, ascending, 0 for rigid-body modes.
 
-    Every root is bracketed by the count, so none can be missed; near-degenerate pairs come out as two.  The count is
-    asked again just below and just above each root.  Relative error of z: a few rounding errors.
-
-    Parameters
-    ----------
-    layout : Layout
-        The beam with its springs.
-    count : int
-        How many.
-
-    Returns
-    -------
-    FloatArray, shape (count,)
-        beta L, without unit, ascending, 0 for rigid-body modes.
-
-    Raises
-    ------
-    SolverError
-        If the count puts a root elsewhere.
+    Every root is bracketed by the count of roots, so none can be missed, and near-degenerate pairs come out as two.
+    The relative error is a few rounding errors: the count just below and just above each root confirms it, or
+    `SolverError` is raised.
     """
     rigid = min(layout.rigid_modes(), count)
     index = np.arange(rigid, count)  # the root with this index has this many below it
@@ -364,7 +296,7 @@ def _isolate(layout: Layout, index: IntArray, lo: FloatArray, hi: FloatArray) ->
 def _bisect(
     layout: Layout, index: IntArray, lo: FloatArray, hi: FloatArray, steps: int
 ) -> tuple[FloatArray, FloatArray]:
-    """The intervals, in z, around the roots with the numbers `index`, halved by the count up to `steps` times."""
+    """Halve the intervals, in z, around the roots with the numbers `index`, by the count, up to `steps` times."""
     for _ in range(steps):
         middle = np.where(hi > 2 * lo, np.sqrt(lo * hi), (lo + hi) / 2)
         if np.all((middle <= lo) | (middle >= hi)):

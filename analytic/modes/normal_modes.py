@@ -15,8 +15,8 @@ stiffnesses at which, with a spring between the ends, the sum of a low mode pass
 No rule is continuous everywhere.  A beam on two pins with a spring k amid has its first two frequencies equal at
 k = 4 (2 pi)^3 coth(pi) EI / L^3.  On a closed path around that point, by way of k and the spring's place, the
 frequencies stay apart, so each shape can be followed from start to end: it comes back with the other sign, as real
-modes do around any such crossing (M. V. Berry, Proc. R. Soc. A 392 (1984) 45).  What
-compares modal coordinates across problems has to allow for that; a motion never does, as it is the same with any sign.
+modes do around any such crossing (M. V. Berry, Proc. R. Soc. A 392 (1984) 45).  A comparison of modal coordinates
+across problems has to allow for that; a motion does not depend on the signs.
 """
 
 from __future__ import annotations
@@ -35,18 +35,16 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import Beam, FloatArray, Problem
 
-_POOL = 40  # least number of modes computed at once; doubled until it is enough
-_FEW_SPANS = 6  # up to so many all modes are solved for at once, as dense matrices; more take them by their diagonals
+_POOL = 40  # least number of modes computed at once
+FEW_SPANS = 6  # most spans for which the modes are solved for at once, as dense matrices; beyond, one by one as bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _SLOW = 1e-2
-"""beta L up to which a mode has the shape of a rigid bar's motion.  It bends by some (beta L)^4 / 200, 5e-11 at this
-limit; waves that nearly cancel lose more: impulses of a beam on two soft springs were off by 2e-6 at half of it."""
+"""beta L up to which a mode has the shape of a rigid bar's motion.  Such a mode bends by some (beta L)^4 / 200, 5e-11
+at this limit; waves that nearly cancel lose more: 2e-6 in impulses of a beam on two soft springs at half the limit."""
 _STILL = 1e-9  # displacement of the tip, over that of the bar, up to which the bar turns about its tip, to rounding
-_LEFT = 1e-8  # part of unit amplitudes that may be left of a condition at a support: half of the digits
-_APART = (
-    1e-3  # least eigenvalue of the inner products of unit shapes, 1 where they are orthogonal and 0 where one is lost
-)
-_CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are made orthogonal
+_LEFT = 1e-8  # largest residual of a condition at a support, for unit amplitudes: half of the digits
+_APART = 1e-3  # least eigenvalue allowed of the inner products of unit shapes, 1 if orthogonal, 0 if one is lost
+_CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are then made orthogonal
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,39 +57,15 @@ class NormalModes:
     """Mass-normalised shapes, kg^-1/2."""
 
     def head(self, count: int) -> NormalModes:
-        """The lowest modes.
-
-        Parameters
-        ----------
-        count : int
-            How many.
-
-        Returns
-        -------
-        NormalModes
-            `count` modes.
-        """
+        """The `count` lowest modes."""
         return NormalModes(self.omega[:count], self.shapes.head(count))
 
 
 def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalModes:
-    """The lowest modes of a contact state.
+    """The `count` lowest modes of a contact state.
 
-    The last ones computed are kept: modes do not depend on the excitation, and a sweep asks for them every time.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    state : ContactState
-        The stops that are closed.
-    count : int
-        How many modes.
-
-    Returns
-    -------
-    NormalModes
-        `count` modes.
+    The last modes computed are kept, because a sweep of the excitation, on which they do not depend, asks for them at
+    every point.
     """
     layout = layout_of(problem, state.closed)
     springs = (tuple(layout.x), tuple(layout.translational), tuple(layout.torsional))
@@ -99,18 +73,7 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
 
 
 def pool_size(count: int) -> int:
-    """How many modes are computed at once where fewer are asked for, so that numbers of modes share their work.
-
-    Parameters
-    ----------
-    count : int
-        How many are asked for.
-
-    Returns
-    -------
-    int
-        At least `count`: 40, 80, 160, ...
-    """
+    """Number of modes computed where `count` are asked for, 40, 80, 160, ..., so that several counts share the work."""
     size = _POOL
     while size < count:
         size *= 2
@@ -124,7 +87,7 @@ def _exact_modes(
     L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
     z = frequencies(layout, count)
     slow = int(np.count_nonzero(z <= _SLOW))
-    elastic = _elastic_shapes(layout, z[slow:], L)
+    elastic = elastic_shapes(layout, z[slow:], L)
     shapes = _joined(_rigid_shapes(layout, slow, L), elastic)
     norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
     shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
@@ -139,18 +102,18 @@ def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
     return np.where(elastic, shapes(tip)[:, 0] + shapes(tip, 3)[:, 0] / cube, 1.0)
 
 
-def _elastic_shapes(layout: Layout, z: FloatArray, L: float) -> BeamFunctions:
+def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW_SPANS) -> BeamFunctions:
     """The shapes of the roots z = beta L, not yet normalised: null vectors of the boundary matrix."""
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
         bands = boundary_band(layout, waves)
-        if spans <= _FEW_SPANS:
-            amplitudes = _null_vectors(whole(bands))
+        if spans <= few_spans:
+            amplitudes = null_vectors(whole(bands))
         # Roots that coincide to rounding share a null space of as many dimensions: take one vector each.
         for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
-            if spans > _FEW_SPANS or members.size > 1:
-                amplitudes[members] = _null_space_of_band(bands[members[members.size // 2]], members.size)
+            if spans > few_spans or members.size > 1:
+                amplitudes[members] = null_space_of_band(bands[members[members.size // 2]], members.size)
         _refuse_what_meets_no_conditions(bands, amplitudes, z)
     return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
 
@@ -167,7 +130,7 @@ def _refuse_what_meets_no_conditions(bands: FloatArray, amplitudes: FloatArray, 
         raise SolverError(f"no shape at beta L = {z[wrong[0]]:.6g} meets the conditions at all supports")
 
 
-def _null_vectors(matrix: FloatArray) -> FloatArray:
+def null_vectors(matrix: FloatArray) -> FloatArray:
     """The null vector of each of ``n`` matrices that are singular to rounding, ``(n, m, m)``; gives ``(n, m)``."""
     m = matrix.shape[1]
     start = np.broadcast_to(np.cos(np.arange(m))[:, None], (*matrix.shape[:2], 1))
@@ -195,7 +158,7 @@ def _of_size_one(found: FloatArray, axis: int) -> FloatArray:
     return np.asarray(found / np.abs(found).max(axis=axis, keepdims=True), dtype=float)
 
 
-def _null_space_of_band(band: FloatArray, count: int) -> FloatArray:
+def null_space_of_band(band: FloatArray, count: int) -> FloatArray:
     """Orthonormal null vectors of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time as m; ``(count, m)``."""
     m = band.shape[1]
     transposed = np.zeros_like(band)

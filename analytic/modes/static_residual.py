@@ -1,4 +1,4 @@
-r"""What the modes left out of a state would carry: their quasi-static response, in closed form.
+r"""The quasi-static response of the modes left out of a state, in closed form.
 
 With N modes, the part of the displacement outside their span has to go somewhere.  The published scheme keeps it
 in G(x) of (20), where it is never moved again.  Here it follows its own equilibrium at once:
@@ -29,7 +29,7 @@ from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
-_FOUNDATION = 1.0  # gamma L of the foundation, without unit: its waves are as long as the beam, and well conditioned
+_FOUNDATION = 1.0  # gamma L of the foundation, without unit: waves as long as the beam are well conditioned
 
 
 @dataclass(frozen=True)
@@ -58,42 +58,12 @@ class Residual:
         return self.foundation(x, derivative) - self.weights @ self.modes(x, derivative)
 
     def scaled(self, factors: FloatArray) -> Residual:
-        """Each shape times its factor.
-
-        Parameters
-        ----------
-        factors : FloatArray, shape (loads,)
-            The sizes of the loads.
-
-        Returns
-        -------
-        Residual
-            The shapes of loads of those sizes.
-        """
+        """Each shape times the size of its load, shape ``(loads,)``."""
         return Residual(self.foundation.scaled(factors), self.modes, self.weights * factors[:, None])
 
 
 def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: Loads, modal: FloatArray) -> Residual:
-    """Residual shapes of a state.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    state : ContactState
-        The stops that are closed.
-    modes : NormalModes
-        The modes that are not left out.
-    loads : Loads
-        The loads p_l.
-    modal : FloatArray, shape (loads, modes)
-        Modal forces (Phi_i, p_l), kg^-1/2 N.
-
-    Returns
-    -------
-    Residual
-        The shape of each load, m.
-    """
+    """The residual shape, m, of each load p_l in a state; `modal`, ``(loads, modes)``, is (Phi_i, p_l), kg^-1/2 N."""
     beam = problem.beam
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m
     foundation = _foundation_shapes(problem, state, loads, beam.m * sigma)

@@ -19,8 +19,8 @@ class PublishedField(field.ModalField):
 
     motion: PublishedMarch
 
-    def _rest(self, part: field.Part, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
-        """The frozen shapes of the segments, or their dx-th derivative, m; nothing if they are asked how they move."""
+    def rest(self, part: field.TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
+        """The x-derivative of order `dx` of the segments' frozen shapes, m^(1 - dx); 0 for time derivatives."""
         joint, total = self.joint, np.zeros((x.size, t.size))
         assert isinstance(joint, PublishedJoint)
         rest = self.motion.rest[part.which]
@@ -32,18 +32,5 @@ class PublishedField(field.ModalField):
 
 
 def history_of(name: str, motion: PublishedMarch) -> History:
-    """A marched motion as a History.
-
-    Parameters
-    ----------
-    name : str
-        Name and options of the scheme.
-    motion : PublishedMarch
-        The motion.
-
-    Returns
-    -------
-    History
-        The motion with its contacts.
-    """
+    """A motion marched by a scheme called `name`, as a History."""
     return field.history_of(name, motion.joint, motion.log, PublishedField(motion.joint, motion.log, motion))

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from analytic.march.compiled import SLOT
 from analytic.march.initial_state import TOUCHING, initial_coordinates
+from analytic.march.motion import SLOT
 from analytic.march.switching import switch_frozen
 from analytic.march.touching import by_displacement_and_velocity
 from analytic.published.joint import FrozenMotion, PublishedJoint
@@ -20,22 +20,10 @@ from lapjoint.problem import FloatArray
 
 
 def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
-    """The motion at the initial state, or at a section point of a joint with the same numbers of modes.
+    """The motion at the time 0, from the initial state, or from a section point of a joint with as many modes.
 
-    An initial shape is carried over like the deflected shape at a switch to the modes of the first state; what they
-    cannot hold of it is left out, as there are no modes that it could be a sum of.
-
-    Parameters
-    ----------
-    joint : PublishedJoint
-        The problem and its modes.
-    start : SectionPoint or None
-        A section point of the published scheme; None for the initial state.
-
-    Returns
-    -------
-    FrozenMotion
-        At the time 0.
+    An initial shape is carried over like the deflected shape at a switch to the modes of the first state.  The part of
+    it outside their span is left out, as there are no other modes to write it with.
     """
     if start is not None:
         return _resumed(joint, start)
@@ -44,20 +32,7 @@ def started(joint: PublishedJoint, start: SectionPoint | None) -> FrozenMotion:
 
 
 def packed(joint: PublishedJoint, motion: FrozenMotion) -> SectionPoint:
-    """The section point of a motion.
-
-    Parameters
-    ----------
-    joint : PublishedJoint
-        The joint that is marched.
-    motion : FrozenMotion
-        Where the march is.
-
-    Returns
-    -------
-    SectionPoint
-        With the frozen shape.
-    """
+    """The section point of a motion, with its frozen shape."""
     blocks = [motion.moving.q]
     for other in joint.order[joint.order < motion.rest.shape[0]]:
         coefficients = motion.rest[other]
@@ -87,7 +62,7 @@ def _state_of(bits: int) -> ContactState:
 
 
 def _switched(joint: PublishedJoint, state: ContactState, motion: FrozenMotion) -> FrozenMotion:
-    """Close and open stops whose gaps are others than when the section point was taken."""
+    """Close and open stops whose gaps have changed since the section point was taken."""
     z = _at_stops(joint, motion)
     closed = []
     for k, stop in enumerate(joint.problem.stops):

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.compiled import SLOT, Motion, new_motion
 from analytic.march.joint import Joint
 from analytic.march.known_states import KnownStates
-from analytic.march.modal_state import Family, passage
+from analytic.march.modal_state import LoadedStructure, passage
+from analytic.march.motion import SLOT, Motion, new_motion
 from analytic.march.switching import Frozen
 from analytic.march.tables import Tables, Unscaled, count_in
 from lapjoint.answers.contact_state import ContactState
@@ -37,39 +37,13 @@ class PublishedJoint(Joint):
     """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
-        """A motion at the time 0, within the span of a state's modes.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-        q : FloatArray, shape (N,)
-            Modal displacements, kg^1/2 m.
-        v : FloatArray, shape (N,)
-            Modal velocities, kg^1/2 m/s.
-
-        Returns
-        -------
-        FrozenMotion
-            Without a frozen shape.
-        """
+        """A motion at the time 0 from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, without a frozen shape."""
         slot, size = self.slot(state), max(self.counts)
         moving = new_motion(slot, 0.0, q, v, size, self.stops)
         return FrozenMotion(moving, np.zeros((self.tables.modes.size, size)))
 
     def frozen(self, motion: FrozenMotion) -> Frozen:
-        """What the published switch rule needs, with room for the states met so far in the motion's frozen shape.
-
-        Parameters
-        ----------
-        motion : FrozenMotion
-            Where the march is; its `rest` is padded.
-
-        Returns
-        -------
-        Frozen
-            The frozen shape, and the inner products of the modes of all states.
-        """
+        """The input of the published switch rule; `motion.rest` is padded to room for the states met so far."""
         more = self.cross.shape[0] - motion.rest.shape[0]
         if more > 0:
             motion.rest = np.pad(motion.rest, ((0, more), (0, 0)))
@@ -77,7 +51,7 @@ class PublishedJoint(Joint):
 
     def _fill_known(self, known: KnownStates) -> None:
         super()._fill_known(known)
-        self.cross = _products(self.family, self.counts, known.states).copy()
+        self.cross = _products(self.loaded, self.counts, known.states).copy()
         """S_ij of (43), from the modes of each state (second axis) to those of each (first), ``(S, S, N, N)``."""
         self.order = np.arange(len(known.states))
         """The slots in the order in which to sum over states, shape ``(states,)``."""
@@ -93,7 +67,7 @@ class PublishedJoint(Joint):
 
     def _fill(self, slot: int) -> None:
         super()._fill(slot)
-        _fill_products(self.cross, self.family, self.counts, self.states, slot)
+        _fill_products(self.cross, self.loaded, self.counts, self.states, slot)
         self.order = np.array(sorted(range(slot + 1), key=lambda at: self.states[at].closed), dtype=np.int64)
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
@@ -102,29 +76,29 @@ class PublishedJoint(Joint):
 
 
 @lru_cache(maxsize=_PRODUCTS)
-def _products(family: Family, counts: tuple[int, int], states: tuple[ContactState, ...]) -> FloatArray:
+def _products(loaded: LoadedStructure, counts: tuple[int, int], states: tuple[ContactState, ...]) -> FloatArray:
     """Inner products of the modes of every two states, shape ``(S, S, N, N)``; not to be written to."""
     cross = np.zeros((len(states), len(states), max(counts), max(counts)))
     for slot in range(len(states)):
-        _fill_products(cross, family, counts, states, slot)
+        _fill_products(cross, loaded, counts, states, slot)
     cross.flags.writeable = False
     return cross
 
 
 def _fill_products(
-    cross: FloatArray, family: Family, counts: tuple[int, int], states: tuple[ContactState, ...], slot: int
+    cross: FloatArray, loaded: LoadedStructure, counts: tuple[int, int], states: tuple[ContactState, ...], slot: int
 ) -> None:
     """Write the inner products of the modes in a slot with those in the slots up to it."""
     for other in range(slot + 1):
-        S = _between(family, counts, states[other], states[slot])
+        S = _between(loaded, counts, states[other], states[slot])
         cross[slot, other, : S.shape[0], : S.shape[1]] = S
         cross[other, slot, : S.shape[1], : S.shape[0]] = S.T
 
 
-def _between(family: Family, counts: tuple[int, int], old: ContactState, new: ContactState) -> FloatArray:
-    """From the modes of `old` to those of `new`: computed one way only, as the other has other last bits."""
+def _between(loaded: LoadedStructure, counts: tuple[int, int], old: ContactState, new: ContactState) -> FloatArray:
+    """S_ij of (43) from the modes of `old` to those of `new`, computed in one direction, for the last bits."""
     if old == new:
         return np.eye(count_in(old, counts))
     if old.closed > new.closed:
-        return _between(family, counts, new, old).T
-    return passage(family, old, count_in(old, counts), new, count_in(new, counts)).S
+        return _between(loaded, counts, new, old).T
+    return passage(loaded, old, count_in(old, counts), new, count_in(new, counts)).S

@@ -39,26 +39,13 @@ class FrozenPart:
     kinetic: FloatArray
     """Kinetic energy outside the span of the next modes, lost, over that before the switch."""
     kinetic_lost: FloatArray
-    """The same, J, added up from the first switch on."""
+    """Kinetic energy lost since the start, J."""
 
 
 def frozen_part(history: History) -> FrozenPart:
-    """What is left behind at each switch of a motion by `analytic.PublishedScheme`.
+    """The frozen shape's part of displacement and energy, switch by switch, in a motion by `analytic.PublishedScheme`.
 
-    Parameters
-    ----------
-    history : History
-        A motion by that scheme.
-
-    Returns
-    -------
-    FrozenPart
-        Its shares of displacement and energy, switch by switch.
-
-    Raises
-    ------
-    TypeError
-        If the history is another solver's.
+    `TypeError` is raised if the history is another solver's.
     """
     if not isinstance(history.field, PublishedField):
         raise TypeError(f"frozen_part takes a history of analytic.PublishedScheme, not of {history.solver}")

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import DONE, LOG_FULL, PENDING, Log, advance, new_log, new_work
+from analytic.march.compiled import DONE, LOG_FULL, advance
 from analytic.march.march import MOST_SWITCHES, March, copied, ended, joined, settle_status
-from analytic.march.segment import NO_SWITCH
+from analytic.march.motion import NO_SWITCH, PENDING, Log, new_log, new_work
 from analytic.published.joint import FrozenMotion, PublishedJoint
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
@@ -32,30 +32,10 @@ def march_published(
     shortest: float,
     progress: Progress | None = None,
 ) -> PublishedMarch:
-    """March from the time 0, with every segment logged.
+    """March from the time 0 to `end`, s, with every segment logged; `motion` is moved along.
 
-    Parameters
-    ----------
-    joint : PublishedJoint
-        The problem and its modes.
-    motion : FrozenMotion
-        Where the motion begins; it is moved along.
-    end : float
-        Until when, s.
-    shortest : float
-        Least time spent in a state, s.
-    progress : callable, optional
-        Called with (done, total), s.
-
-    Returns
-    -------
-    PublishedMarch
-        The motion.
-
-    Raises
-    ------
-    SolverError
-        If more than `MOST_SWITCHES` switches occur, or the march makes no progress.
+    No state lasts less than `shortest`, s.  `progress` is called with (done, total), s.  `SolverError` is raised where
+    more than `MOST_SWITCHES` switches occur, or the march makes no progress.
     """
     restarted(motion)
     log, full, first = new_log(_ROOM, motion.moving.q.size, motion.moving.total.size), [], motion.rest.copy()
@@ -73,13 +53,7 @@ def march_published(
 
 
 def restarted(motion: FrozenMotion) -> None:
-    """Count time, penetrations and switches of a motion from 0 again.
-
-    Parameters
-    ----------
-    motion : FrozenMotion
-        Changed in place.
-    """
+    """Count time, penetrations and switches of a motion from 0 again, in place."""
     motion.moving.time[:], motion.moving.last_switch[:], motion.moving.total[:] = 0.0, 0.0, 0.0
     motion.moving.counts[1:] = 0
     motion.moving.counts[PENDING] = NO_SWITCH

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from analytic.march.compiled import DONE, PERIODS, SLOT, Log, Motion, Work, advance
+from analytic.march.compiled import DONE, advance
+from analytic.march.motion import PERIODS, SLOT, Log, Motion, Work
 from analytic.march.switching import Frozen, freeze
 from analytic.march.tables import IntArray, Tables
 from lapjoint.compiled.arrays import put
@@ -10,7 +11,7 @@ from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SETTLED, UNSETTLED = 10, 11
-"""Why `settle` came back, besides the reasons of `analytic.march.compiled`."""
+"""Reasons for which `settle` comes back, besides those of `analytic.march.compiled`."""
 
 
 @njit_called()
@@ -31,40 +32,14 @@ def settle(
 ) -> tuple[int, int]:
     """March cycle by cycle until the impulses and the displacements at the stops repeat, or `rows` is full.
 
-    Parameters
-    ----------
-    tables : Tables
-        The states of the joint, with ``P`` stops at ``U`` positions.
-    frozen : Frozen
-        The frozen shape.
-    motion : Motion
-        Where the march is, with its time counted from the start of the cycle; changed in place.
-    work : Work
-        Scratch arrays.
-    depth : bool
-        Whether to find the deepest penetrations; a constant here would compile the march anew.
-    period : float
-        Length of a cycle, s.
-    log : Log
-        Without room.
-    rows : FloatArray, shape (cycles, P + U)
-        Takes the penetration times of each stop over every cycle, m s, and the displacements at the positions at its
-        end, m.
-    agree : IntArray, shape (multiples,)
-        Counts the cycles in a row that repeated those 1, 2, ... cycles before; changed in place.
-    repeats : int
-        How often a motion has to repeat.
-    tolerance : float
-        To what fraction.
-    shortest : float
-        Least time spent in a state, s.
-    most : int
-        Most switches in all.
+    `motion`, with its time counted from the start of the cycle, is changed in place; `log` has no room.  `depth` is
+    False; it is an argument because a constant in the call would compile the march anew.  `rows`, ``(cycles, P + U)``,
+    takes the penetration times of each stop over every cycle, m s, and the displacements at the positions at its end,
+    m.  `agree`, ``(multiples,)``, counts the cycles in a row that repeated those 1, 2, ... cycles before.  A motion has
+    to repeat `repeats` times to the fraction `tolerance`.  `period` is the length of a cycle, and `shortest` the least
+    time spent in a state, s; `most` is the most switches in all.
 
-    Returns
-    -------
-    int, int
-        Why it came back, and after how many cycles the motion repeats, or 0.
+    Returned are the reason to come back, and the number of cycles after which the motion repeats, or 0.
     """
     stops = motion.total.size
     while motion.counts[PERIODS] < rows.shape[0]:

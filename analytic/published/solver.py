@@ -117,27 +117,7 @@ class PublishedScheme:
 
     @in_one_thread
     def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
-        """The lowest modes of a contact state, exact to rounding.
-
-        Parameters
-        ----------
-        problem : Problem
-            What is solved.
-        state : ContactState
-            The stops that are closed; none by default.
-        count : int
-            How many modes.
-
-        Returns
-        -------
-        Modes
-            Angular frequencies, rad/s, and mass-normalised shapes, kg^-1/2.
-
-        Raises
-        ------
-        InputError
-            If `count` is not between 1 and 500.
-        """
+        """The lowest modes of a contact state, exact to rounding. See `analytic.Solver.modes`."""
         return Solver().modes(problem, state, count)
 
     @in_one_thread
@@ -228,6 +208,8 @@ class PublishedScheme:
         problem.require_excitation_frequency("steady state")
         from analytic.published import steady
 
-        effort = steady.Search(self.tolerance, self.max_period_multiple, self.max_periods, self.patience, self.shortest)
+        how_long = steady.Patience(
+            self.tolerance, self.max_period_multiple, self.max_periods, self.patience, self.shortest
+        )
         counts = self.free_modes, self.contact_modes
-        return steady.steady_state(problem, self.name, counts, effort, start, progress)
+        return steady.steady_state(problem, self.name, counts, how_long, start, progress)

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from analytic.march.compiled import PERIODS, SWITCHES, new_log, new_work
 from analytic.march.march import MOST_SWITCHES, settle_status
+from analytic.march.motion import PERIODS, SWITCHES, new_log, new_work
 from analytic.published.field import history_of
 from analytic.published.initial_state import packed, started
 from analytic.published.joint import FrozenMotion, PublishedJoint
@@ -30,15 +30,15 @@ from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, im
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solver import Progress
 
-_REPEATS = 20  # repeats, each of the one before and the last of the first, after which a motion has settled
+_REPEATS = 20  # repeats, each of the cycle before and the last of the first, after which a motion has settled
 _CYCLES_AVERAGED = 1000  # cycles of an unsettled motion whose impulses are averaged, as in the paper
 _CHUNK = 500  # cycles after which the number of impacts is compared with `patience`
-_SYMMETRIC = 1e-4  # of the largest displacement: most by which a symmetric motion differs from its mirror image
+_SYMMETRIC = 1e-4  # largest distance of a symmetric motion from its mirror image, over the largest displacement
 _SAMPLES = 64  # times in half a motion at which it is compared with its mirror image
 
 
 @dataclass(frozen=True)
-class Search:
+class Patience:
     """How long to wait for a motion to settle."""
 
     tolerance: float
@@ -62,40 +62,19 @@ class Settling:
     rows: FloatArray
     """Penetration times of stops over each cycle, m s, and displacements at its end, m, shape ``(cycles, P + U)``."""
     motion: FrozenMotion
-    """At the end of the last cycle."""
+    """The motion at the end of the last cycle."""
 
 
 def settling(
-    joint: PublishedJoint, motion: FrozenMotion, period: float, search: Search, progress: Progress | None = None
+    joint: PublishedJoint, motion: FrozenMotion, period: float, patience: Patience, progress: Progress | None = None
 ) -> Settling:
-    """March until the motion has settled, or for as long as `search` allows.
+    """March until the motion has settled, or for as long as `patience` allows; `motion` is moved along.
 
-    Parameters
-    ----------
-    joint : PublishedJoint
-        The problem and its modes.
-    motion : FrozenMotion
-        Where the motion begins; it is moved along.
-    period : float
-        The excitation period, s.
-    search : Search
-        How long to wait.
-    progress : callable, optional
-        Called with the periods marched, and the most allowed.
-
-    Returns
-    -------
-    Settling
-        The motion, cycle by cycle.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
+    `period` is the excitation period, s.  `progress` is called with the periods marched, and the most allowed.
     """
-    P, most = joint.stops, search.max_periods
+    P, most = joint.stops, patience.max_periods
     rows = np.zeros((most + _CYCLES_AVERAGED, P + joint.tables.constant.shape[1]))
-    agree, log = np.zeros(search.max_period_multiple, dtype=np.int64), new_log(0, 1, P)
+    agree, log = np.zeros(patience.max_period_multiple, dtype=np.int64), new_log(0, 1, P)
     restarted(motion)
     limit, last, moving, work = min(_CHUNK, most), False, motion.moving, new_work(joint.tables)
     while True:
@@ -110,8 +89,8 @@ def settling(
             rows[:limit],
             agree,
             _REPEATS,
-            search.tolerance,
-            search.shortest,
+            patience.tolerance,
+            patience.shortest,
             MOST_SWITCHES,
         )
         if status not in (SETTLED, UNSETTLED):
@@ -122,7 +101,7 @@ def settling(
         cycles, impacts = int(moving.counts[PERIODS]), int(moving.counts[SWITCHES]) // 2
         if status == SETTLED or last:
             return Settling(multiple, rows[:cycles], motion)
-        last = limit >= most or impacts >= search.patience
+        last = limit >= most or impacts >= patience.patience
         limit = cycles + _CYCLES_AVERAGED if last else min(limit + _CHUNK, most)
 
 
@@ -130,43 +109,21 @@ def steady_state(
     problem: Problem,
     name: str,
     counts: tuple[int, int],
-    search: Search,
+    patience: Patience,
     start: SectionPoint | None,
     progress: Progress | None,
 ) -> SteadyState:
-    """The motion that remains.
+    """The motion that remains, from `start` or from the initial state, with the impulses of the stops, N s a period.
 
-    Parameters
-    ----------
-    problem : Problem
-        What is solved; its excitation has a period.
-    name : str
-        Name and options of the scheme.
-    counts : tuple of int
-        Numbers of modes: in the free state, and in every other.
-    search : Search
-        How long to wait.
-    start : SectionPoint or None
-        Where to begin; None for the initial state.
-    progress : callable or None
-        Called with the periods marched, and the most allowed.
-
-    Returns
-    -------
-    SteadyState
-        The motion, and the impulses of the stops, N s a period.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
+    `counts` are the numbers of modes in the free state and in every other.  `progress` is called with the periods
+    marched, and the most allowed.
     """
     assert problem.excitation_frequency is not None
     period, joint = 2 * math.pi / problem.excitation_frequency, PublishedJoint(problem, *counts)
-    found = settling(joint, started(joint, start), period, search, progress)
+    found = settling(joint, started(joint, start), period, patience, progress)
     point, multiple = packed(joint, found.motion), found.period_multiple
-    periods = multiple or search.max_period_multiple
-    motion = march_published(joint, started(joint, point), periods * period, shortest=search.shortest)
+    periods = multiple or patience.max_period_multiple
+    motion = march_published(joint, started(joint, point), periods * period, shortest=patience.shortest)
     history = history_of(name, motion)
     if multiple:
         impulses, outcome = impulses_per_period(history, multiple), periodic_outcome(history)
@@ -188,24 +145,13 @@ def steady_state(
 
 
 def _mean_impulses(problem: Problem, rows: FloatArray) -> FloatArray:
-    """Mean impulse of each stop over one cycle of the last ones, N s, shape ``(P,)``."""
+    """Mean impulse of each stop over the last `_CYCLES_AVERAGED` cycles, N s, shape ``(P,)``."""
     stiffness = np.array([stop.sign * stop.stiffness for stop in problem.stops])
     return np.asarray(stiffness * rows[-_CYCLES_AVERAGED:, : stiffness.size].mean(axis=0))
 
 
 def is_symmetric(history: History) -> bool:
-    """Whether z(x, t + T/2) = -z(x, t) at the stops.
-
-    Parameters
-    ----------
-    history : History
-        A motion of the length T.
-
-    Returns
-    -------
-    bool
-        To 1e-4 of the largest displacement.
-    """
+    """Whether z(x, t + T/2) = -z(x, t) at the stops, to `_SYMMETRIC`, in a motion of the length T."""
     half = (history.end - history.start) / 2
     t = history.start + half * np.arange(_SAMPLES) / _SAMPLES
     x = np.array(sorted({stop.x for stop in history.problem.stops} or {history.problem.beam.length}))
@@ -214,7 +160,7 @@ def is_symmetric(history: History) -> bool:
 
 
 def _residual(motion: PublishedMarch, period: float) -> float:
-    """Distance of the modal coordinates from where they started, over their size; infinite in another state."""
+    """Distance of the coordinates at the end from those at the start, over their size; infinite between states."""
     first, end = motion.segments[0], motion.end
     if first.state != end.state:
         return math.inf

@@ -1,7 +1,7 @@
 """Figure 4 of the paper as one curve: every motion of one excitation period, stable or not, from 40 to 5000 rad/s.
 
-A sweep knows its points.  A branch knows the curve between them, and says where a motion loses its stability, folds
-back, or begins to touch a stop.  All of that is below 130 rad/s, which is drawn again beside it.
+A sweep gives points.  A branch gives the curve between them, and says where a motion loses its stability, folds back,
+or begins to touch a stop.  All these bifurcations lie below 130 rad/s, a range that is drawn again beside the whole.
 """
 
 from lapjoint import FREQUENCY, branch, figures, paper_joint

@@ -1,7 +1,7 @@
 """A cascade of flips that ends in chaos: a bar on a pin, shaken beside one stiff stop.
 
-At each flip a motion loses its stability to one of twice its period.  The flips come ever faster, and behind the last
-of them nothing repeats: each dot is how hard one impact of a long march presses, lines are the certified motions.
+At each flip a motion loses its stability to a motion of twice its period.  The flips come ever faster, and behind the
+last flip nothing repeats.  Each dot is the peak force of one impact of a long march; lines are the certified motions.
 """
 
 import math

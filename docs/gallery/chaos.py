@@ -1,7 +1,7 @@
 """Chaos in the paper's joint, with its own damping of 8 %: leave nothing but the bottom stop at the tip, at 200 rad/s.
 
 Nothing repeats, and nearby motions part at the rate of the largest Lyapunov exponent.  No two solvers can follow one
-such motion for long.  But seen once in a period, both trace the same strange attractor, with the same exponent.
+chaotic motion for long.  But their Poincaré sections trace one strange attractor, with one exponent.
 """
 
 import math

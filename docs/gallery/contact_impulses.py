@@ -1,7 +1,7 @@
 """From rest to steady: the impulse of every single contact of the paper's joint at 515 rad/s.
 
-Blow by blow the impulses grow to the impulse per cycle of the steady state.  That one is not waited for but found, by
-Newton's method on the period map; the march from rest shows that it is where the motion is bound for.
+Blow by blow the impulses grow to the impulse per cycle of the steady state.  Newton's method on the period map finds
+the steady state without waiting for it; the march from rest shows that the motion settles there.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Are the elements, or the modes, enough?  The impulse of the top stop at the tip, at 515 rad/s.
 
 Twice the elements leave a sixteenth of the error: order four, as cubic elements must.  The error of the modes falls
-much faster.  Both are errors against 96 modes: elements, which know nothing of modes, converge to that very number.
+much faster.  Both are errors against 96 modes, to whose value elements converge, which know nothing of modes.
 """
 
 import analytic

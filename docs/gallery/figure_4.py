@@ -1,7 +1,8 @@
 """Figure 4 of the paper, by the scheme as published and by certified steady states.
 
 Impulse of the two tip stops in a cycle over the excitation frequency.  The upper curve is the paper's, truncation and
-all: a step at 999 rad/s, and about 2060 and 2160 rad/s motions that leave one stop alone.  The lower one is converged.
+all: a step at 999 rad/s, and about 2060 and 2160 rad/s motions that touch one tip stop only.  The lower curve has
+converged.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ PEAKS = ((400, 700), (750, 950), (2600, 3400))  # rad/s: where to look for the t
 
 
 def main(step: float = 1.0, workers: int = 2) -> None:
-    """Both curves, a point each `step` rad/s, by so many processes."""
+    """Draw both curves, with a point each `step` rad/s, by a number of processes."""
     panels = figures.new_panels(2, 1, 7.0, 4.6, sharex=True)
     frequencies = [Axis(FREQUENCY, np.arange(step, 5000 + step / 2, step))]
     for axes, name, solver in zip(

@@ -1,7 +1,7 @@
-"""Which stop is touched first, and where: the edge of contact in two numbers, amplitude and frequency of the base.
+"""Which stop is touched first, and where: the edge of contact in two parameters, amplitude and frequency of the base.
 
-Below the edge a cantilever with two stops moves as if these were not there.  So the edge has a closed form: the least
-gap over the amplitude that a base of amplitude 1 gives the beam at a stop.  The thin lines are that, by numpy alone.
+Below the edge a cantilever with two stops moves as if it had no stops.  The edge therefore has a closed form: the least
+ratio of gap to the amplitude at a stop for a base of amplitude 1.  The thin lines are this form, by numpy alone.
 """
 
 from math import inf

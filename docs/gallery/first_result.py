@@ -1,4 +1,4 @@
-"""The picture of the README: one steady cycle at the first peak of the paper's joint, and its impulse curve.
+"""The first result: one steady cycle at the first peak of the paper's joint, and its impulse curve.
 
 Lines are the analytic solver, dots and circles the finite elements, which share nothing with it but the problem.
 """

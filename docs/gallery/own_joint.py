@@ -1,7 +1,7 @@
 """A joint of one's own: a steel pipe on an elastic flange, with play in its hanger and a stop at its tail.
 
-Everything of the problem is stated, in SI units; whatever is left out does not act.  Both solvers find, and certify,
-that the motion repeats only after two periods of the engine.
+The problem is stated in SI units; parts that are left out do not act.  Both solvers find, and certify, that the motion
+repeats only after two periods of the engine.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """From a shaker's record to a table for a report: a tube that rattles in its support, and how often it hits how hard.
 
-Where there is no shaker, a random signal that a file holds as a logger writes it does as well.  The file is read with
-its units, the motion is marched to the end of the record, and statistics with their intervals are read off it.
+Here a random signal, in a file as a logger writes it, stands for the shaker's record.  The file is read with its units,
+the motion is marched to the end of the record, and summarised by statistics with their intervals.
 """
 
 from pathlib import Path

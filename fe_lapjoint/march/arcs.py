@@ -1,17 +1,18 @@
 """Motions of the finite element model with a given contact sequence, and their derivatives.
 
-`lapjoint.orbits.arcs` says what for.  Within an arc the motion y = (q, q') is the forced motion p and a free one,
+`lapjoint.orbits.arcs` says how they are used.  Within an arc the motion y = (q, q') is the forced motion p and a free
+one,
 
     y(t + d) = p(t + d) + F(d) (y(t) - p(t)),
 
-and the orthogonal map S takes it from the modes of one contact state to those of the next.  By the time of the event
-between two arcs, while all other times stay where they are, the start of the second changes by
+and the orthogonal map S takes it from the modes of one contact state to those of the next.  The derivative of the start
+of the second arc by the time of the event between two arcs, with all other times fixed, is
 
     S f- - f+ = (0, S q''- - q''+),
 
-with f- and f+ the rates before and after: displacements and velocities go on, and accelerations differ by the damping
-of the two states and by the force of the stop that switches, where it is not zero.  The derivative by a duration is
-the sum of those by the times of its own end and of all later ends.
+with f- and f+ the rates before and after.  Displacements and velocities go on; accelerations differ by the damping of
+the two states and by the force of the stop that switches, where it is not zero.  The derivative by a duration is the
+sum of the derivatives by the times of its own end and of all later ends.
 
 Where a stop returns, its equation is the mean rate of h over the arc,
 
@@ -19,8 +20,8 @@ Where a stop returns, its equation is the mean rate of h over the arc,
 
 Its derivative by the time of the arc's end is int_0^1 s h''(s d) ds, and int_0^1 (1 - s) h''(s d) ds by the time of the
 start as that moves along the arc.  Of each mode and each load, which is an undamped mode here, these means are
-differences of both ends over powers of d where it is fast, and integrals by Gauss' rule, which do not cancel, where it
-is slow: where it turns, rises or falls by at most 1 over the arc.
+differences of both ends over powers of d for a fast mode, and integrals by Gauss' rule, which do not cancel, for a slow
+one: a mode that turns, rises or falls by at most 1 over the arc.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ class Arcs:
     ) -> Chain:
         """Follow arcs. See `lapjoint.orbits.arcs.Arcs.chain`.
 
-        Backwards in time fast modes grow: what overflows is infinite or no number.
+        Backwards in time fast modes grow: values that overflow are infinite or NaN.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             arcs = list(self._arcs(sequence, start, time, durations))
@@ -98,10 +99,10 @@ class Arcs:
             t += duration
 
     def _derivatives(self, arcs: list[_Arc]) -> tuple[FloatArray, FloatArray]:
-        """Those of the end and of the events, ``(n_M, n + M + 1)`` and ``(M, n + M + 1)``.
+        """Derivatives of the end and of the events, ``(n_M, n + M + 1)`` and ``(M, n + M + 1)``.
 
-        Carried along are the modes that are alive at the end of each arc, as deviations by those coordinates of the
-        start that are alive at the end of the first, and by the times of the ends of arcs.
+        Carried along are the modes that are alive at the end of each arc.  Their deviations are by the start's
+        coordinates that are alive at the end of the first arc, and by the times of the ends of arcs.
         """
         first, last, n = arcs[0], arcs[-1], arcs[-1].system.omega.size
         there = np.zeros((first.alive, 2, 2 * first.alive + len(arcs)))
@@ -192,21 +193,9 @@ class Arcs:
 
 
 def forced(system: System, t: float, since: float = 0.0) -> FloatArray:
-    """The forced motion that an arc's free motion is beside.
+    """Forced motion (q, q') at time `t`, s, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.
 
-    Parameters
-    ----------
-    system : System
-        The contact state of the arc.
-    t : float
-        The time, s.
-    since : float
-        Time since the start of the arc, s, where rigid-body modes are at rest but for their ramp.
-
-    Returns
-    -------
-    FloatArray, shape (2 n,)
-        (q, q'), kg^1/2 m and kg^1/2 m/s.
+    A rigid-body mode without drag is at rest at the start of the arc, `since` seconds ago, but for its ramp.
     """
     by_loads, constant = system.motion_by_loads
     motion = by_loads @ np.exp(1j * (system.driven * t + system.phase)).view(float) + constant
@@ -239,15 +228,15 @@ class _Arc:
     system: System
     """The contact state."""
     start: float
-    """s."""
+    """Start of the arc, s."""
     duration: float
-    """s, of either sign."""
+    """Duration of the arc, s, of either sign."""
     y: FloatArray
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     stop: int = -1
     """The stop that switches at the end; -1 if none does."""
     returning: bool = False
-    """Whether the same stop switched at the start."""
+    """Whether the stop that switches at the end also switched at the start."""
 
     @property
     def state(self) -> ContactState:
@@ -255,7 +244,7 @@ class _Arc:
 
     @cached_property
     def alive(self) -> int:
-        """How many of the lowest modes there are up to the last whose free motion has not died out at the end."""
+        """Number of the lowest modes up to the last one whose free motion has not died out at the end."""
         modes = np.flatnonzero(self.system.slowest_decay * self.duration < DEAD)
         return int(modes[-1]) + 1 if modes.size else 0
 
@@ -269,7 +258,7 @@ class _Arc:
         return responses(self.system, self.duration, self.system.omega.size)
 
     def flown(self, deviations: FloatArray) -> FloatArray:
-        """Free motions (q, q') of the lowest modes at the end, from those at the start, ``(count, 2, m)`` each."""
+        """Free motions (q, q') of the lowest modes at the end, from those motions at the start, ``(count, 2, m)``."""
         count = deviations.shape[0]
         C, S = (part[:count] for part in self._responses)
         a, omega = self.system.damping_rate[:count, None], self.system.omega[:count, None]
@@ -286,12 +275,12 @@ class _Arc:
 
     @cached_property
     def row(self) -> FloatArray:
-        """What the gap function of the stop that switches takes of each mode, kg^-1/2, shape ``(n,)``."""
+        """Factor of each mode in the gap function of the stop that switches, kg^-1/2, shape ``(n,)``."""
         return np.asarray(self.model.sign[self.stop] * self.system.stops[self.stop])
 
     @property
     def h(self) -> float:
-        """That gap function at the end, m."""
+        """Gap function of the stop that switches, at the end, m."""
         return float(self.row @ self.end[: self.row.size] - self.model.gap[self.stop])
 
     @property
@@ -301,7 +290,7 @@ class _Arc:
 
     @cached_property
     def mean(self) -> _MeanRate:
-        """The mean rate of that gap function."""
+        """Mean rate over the arc of the gap function of the stop that switches."""
         it, d, sign = self.system, self.duration, self.model.sign[self.stop]
         wave = sign * (it.stops[self.stop] @ it.amplitudes) * np.exp(1j * (it.driven * self.start + it.phase))
         both = np.concatenate([self._free[:, :, 0].T * self.row, [wave.imag, it.driven * wave.real]], axis=1)
@@ -316,8 +305,8 @@ class _Arc:
 def _means(a: FloatArray, omega: FloatArray, d: float) -> FloatArray:
     """Means over a time d of free modes with damping rates and frequencies ``(n,)``, shape ``(3, 2, n)``.
 
-    Of the velocity, of the acceleration weighted by what is left of the time, and of that weighted by what has gone by;
-    each after a unit displacement, and after a unit velocity.
+    The three means are of the velocity, of the acceleration weighted by the part of the time that is left, and of the
+    acceleration weighted by the part that has gone by.  Each is after a unit displacement, and after a unit velocity.
     """
     slow = np.where(omega > a, omega, a + np.sqrt(np.maximum(a**2 - omega**2, 0.0))) * abs(d) <= 1
     means = np.empty((3, 2, a.size))
@@ -333,7 +322,7 @@ def _means(a: FloatArray, omega: FloatArray, d: float) -> FloatArray:
 
 
 def _rates(a: FloatArray, omega: FloatArray, t: FloatArray) -> FloatArray:
-    """Displacement, velocity and acceleration of those modes at times ``(m,)``, shape ``(3, 2, n, m)``."""
+    """Displacement, velocity and acceleration of the modes of `_means` at times ``(m,)``, shape ``(3, 2, n, m)``."""
     C, S = free_response(a, omega, t)
     a, square = a[:, None], omega[:, None] ** 2
     v = np.array([-square * S, C - 2 * a * S])
@@ -341,7 +330,7 @@ def _rates(a: FloatArray, omega: FloatArray, t: FloatArray) -> FloatArray:
 
 
 def _by_durations(columns: FloatArray, first: _Arc) -> FloatArray:
-    """Derivatives by the alive coordinates and the ends of arcs, as those by all coordinates and the durations."""
+    """Derivatives by all coordinates and durations, from those by the alive coordinates and the ends of arcs."""
     n, alive = first.system.omega.size, first.alive
     whole = np.zeros((columns.shape[0], 2 * n + columns.shape[1] - 2 * alive))
     whole[:, :alive], whole[:, n : n + alive] = columns[:, :alive], columns[:, alive : 2 * alive]

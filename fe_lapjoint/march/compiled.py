@@ -1,4 +1,4 @@
-"""The sums of an exact flow over its terms, compiled: an array of a hundred numbers costs numpy more calls than work.
+"""The sums of an exact flow over its terms, compiled: on a hundred numbers, numpy spends more on calls than on sums.
 
 A flow has ``n`` modes and ``H`` loads; its motion at each of ``p`` places is the real part of a sum of ``m`` terms
 c exp(r s): one for each mode that oscillates, one for each load, and a constant with r = 0, the last.
@@ -28,39 +28,16 @@ def start_terms(
     shares: ComplexArray,
     moduli_of_shares: FloatArray,
 ) -> tuple[FloatArray, ComplexArray, FloatArray, ComplexArray, FloatArray]:
-    """The terms of a flow at its start.
+    """The terms of a flow at its start, from (q, q') there, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.
 
-    Parameters
-    ----------
-    y : FloatArray, shape (2 n,)
-        (q, q') at the start, kg^1/2 m and kg^1/2 m/s.
-    start : float
-        When, s.
-    loads : tuple of FloatArray, shape (H,)
-        Angular frequencies, rad/s, and phases, rad, of the loads.
-    forced : tuple of FloatArray, shape (2 n, 2 H) and (2 n,)
-        The forced motion by real and imaginary part of each load, and that without loads.
-    which : IndexArray, shape (oscillating,)
-        The modes that oscillate.
-    roots : tuple of FloatArray, shape (oscillating,)
-        Real parts of their roots, 1/s, and inverse imaginary parts, s.
-    shares : ComplexArray, shape (p, m)
-        What each term is in the motion of the places.
-    moduli_of_shares : FloatArray, shape (p, m + n)
-        Moduli of the shares, and then of all modes at the places.
+    Given are the loads' angular frequencies, rad/s, and phases, rad, ``(H,)``; the forced motion by real and imaginary
+    part of each load, ``(2 n, 2 H)``, and without loads, ``(2 n,)``; the modes that oscillate, with the real parts of
+    their roots, 1/s, and the inverse imaginary parts, s; the share of each term in the motion of the places, ``(p,
+    m)``; and the moduli of these shares followed by those of all modes, ``(p, m + n)``.
 
-    Returns
-    -------
-    free : FloatArray, shape (2, n)
-        (q, q') less that of the forced motion.
-    amplitudes : ComplexArray, shape (m,)
-        Complex amplitudes of the terms.
-    moduli : FloatArray, shape (m,)
-        Their moduli.
-    terms : ComplexArray, shape (p, m)
-        Amplitudes in the motion of each place, m.
-    sizes : FloatArray, shape (p,)
-        Sum of the moduli of all that is added up to give the displacement of each place, m.
+    Given back are (q, q') less the forced motion, ``(2, n)``; the complex amplitudes of the terms and their moduli,
+    ``(m,)``; the amplitudes in the motion of each place, m, ``(p, m)``; and the sum of the moduli of all addends of
+    each place's displacement, m, ``(p,)``.
     """
     n, m, count = y.size // 2, shares.shape[1], which.size
     amplitudes, moduli = complex_zeros(m), zeros(m)
@@ -94,23 +71,10 @@ def start_terms(
 def moved_on(
     amplitudes: ComplexArray, rates: ComplexArray, forced: tuple[FloatArray, FloatArray], s: float
 ) -> FloatArray:
-    """(q, q') of a flow all of whose modes oscillate.
+    """(q, q') `s` seconds after the start of a flow all of whose modes oscillate, kg^1/2 m and kg^1/2 m/s, ``(2 n,)``.
 
-    Parameters
-    ----------
-    amplitudes : ComplexArray, shape (m,)
-        Of its terms, at the start.
-    rates : ComplexArray, shape (m,)
-        Their rates r, 1/s.
-    forced : tuple of FloatArray, shape (2 n, 2 H) and (2 n,)
-        The forced motion by real and imaginary part of each load, and that without loads.
-    s : float
-        Time since the start, s.
-
-    Returns
-    -------
-    FloatArray, shape (2 n,)
-        kg^1/2 m and kg^1/2 m/s.
+    Given are the amplitudes of the terms at the start and their rates, 1/s, ``(m,)``, and the forced motion as
+    `start_terms` takes it.
     """
     y = forced[1].copy()
     n = y.size // 2
@@ -127,24 +91,7 @@ def moved_on(
 
 @njit_called()
 def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> tuple[float, float]:
-    """Displacement and velocity of a place by its terms.
-
-    Parameters
-    ----------
-    terms : ComplexArray, shape (p, m)
-        Their amplitudes at the start, m.
-    rates : ComplexArray, shape (m,)
-        Their rates r, 1/s.
-    place : int
-        Which place.
-    s : float
-        Time since the start, s.
-
-    Returns
-    -------
-    tuple of float
-        m and m/s.
-    """
+    """Displacement, m, and velocity, m/s, of a place by amplitudes, m, ``(p, m)``, and rates, 1/s, ``(m,)``."""
     z, rate = 0.0, 0.0
     for k in range(rates.size):
         now = terms[place, k] * _wave(rates[k], s)
@@ -155,24 +102,7 @@ def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> 
 
 @njit_called()
 def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArray) -> tuple[float, float]:
-    """As `at_place`, where the exponentials are known.
-
-    Parameters
-    ----------
-    terms : ComplexArray, shape (p, m)
-        Amplitudes of the terms at the start, m.
-    rates : ComplexArray, shape (m,)
-        Their rates r, 1/s.
-    place : int
-        Which place.
-    waves : FloatArray, shape (2 m,)
-        exp(r s), conjugate, each as a pair of real numbers.
-
-    Returns
-    -------
-    tuple of float
-        m and m/s.
-    """
+    """`at_place` with known exponentials exp(r s), conjugate, as pairs of real numbers, shape ``(2 m,)``."""
     z, rate = 0.0, 0.0
     for k in range(rates.size):
         now = terms[place, k] * complex(waves[2 * k], -waves[2 * k + 1])
@@ -185,27 +115,11 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
 def above_troughs(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: FloatArray, width: float
 ) -> FloatArray:
-    """How far the terms that swing within an interval are, at its ends, above the least that they can be in it.
+    """How far the swinging terms lie, at the ends of intervals, above their least value within, m, shape ``(2, i)``.
 
-    Parameters
-    ----------
-    terms : ComplexArray, shape (m,)
-        Amplitudes at the start in the motion of a place, m.
-    rates : ComplexArray, shape (m,)
-        Their rates r, 1/s.
-    speeds : FloatArray, shape (m,)
-        |r| of the terms that may be taken for swinging, 1/s; 0 for the others.
-    side : float
-        +1 for the motion of the place, -1 for its opposite.
-    s : FloatArray, shape (i,)
-        When intervals begin, since the start, s.
-    width : float
-        How long they are, s.
-
-    Returns
-    -------
-    FloatArray, shape (2, i)
-        The sums of these distances at the beginnings and at the ends, m; 0 where no term swings so fast.
+    Given are a place's amplitudes, m, and rates, 1/s, ``(m,)``; the moduli of the rates of terms that may swing, else
+    0, 1/s, ``(m,)``; `side`, +1 for the place's motion or -1 for its opposite; the beginnings of the intervals after
+    the start, s, ``(i,)``; and their width, s.
     """
     above = zeros((2, s.size))
     for i in range(s.size):
@@ -217,26 +131,7 @@ def above_troughs(
 def above_trough(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: float, width: float
 ) -> tuple[float, float]:
-    """The same for one interval, which begins at `s`.
-
-    Parameters
-    ----------
-    terms : ComplexArray, shape (m,)
-        As `above_troughs` takes them, m.
-    rates, speeds : ndarray, shape (m,)
-        The same, 1/s.
-    side : float
-        +1 or -1.
-    s : float
-        When it begins, since the start, s.
-    width : float
-        How long it is, s.
-
-    Returns
-    -------
-    tuple of float
-        The sums at its beginning and at its end, m.
-    """
+    """`above_troughs` for one interval that begins `s` seconds after the start: at its beginning and at its end, m."""
     begin, end = 0.0, 0.0
     for k in range(rates.size):
         if speeds[k] * width > SWINGS:
@@ -249,22 +144,7 @@ def above_trough(
 
 @njit_called()
 def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
-    """Time integrals of the displacement of the places by their terms.
-
-    Parameters
-    ----------
-    terms : ComplexArray, shape (p, m)
-        Amplitudes of the terms at the start, m; the last one is constant.
-    rates : ComplexArray, shape (m,)
-        Their rates r, 1/s.
-    T : float
-        From the start until when, s.
-
-    Returns
-    -------
-    FloatArray, shape (p,)
-        m s.
-    """
+    """Time integrals of the displacements of the places over `T` seconds, m s, ``(p,)``; the last term is constant."""
     areas = terms[:, rates.size - 1].real * T
     for k in range(rates.size - 1):
         a, b = rates[k].real * T, rates[k].imag * T

@@ -1,19 +1,19 @@
-r"""Switches that crowd, so that a march would take minutes: by which stop, why, and what to change.
+r"""Switches that crowd, so that a march would take minutes: which stop makes them, the cause, and the remedy.
 
-**A stop that is too stiff for the mesh** makes one node of it bounce.  A stop of stiffness k acts on what the mesh has
-at its position x: after an impulse there, the deflection of the mesh without contact, with its modes phi_i, begins as
+**A stop that is too stiff for the mesh** makes one node of it bounce.  A stop of stiffness k acts on the mesh at its
+position x: after an impulse there, the deflection of the mesh without contact, with its modes phi_i, begins as
 
     z(t) = sum phi_i(x)^2 sin(omega_i t) / omega_i,   z'(0) = sum phi_i^2 = 1 / m_x,   -z'''(0) = sum phi_i^2 omega_i^2,
 
 a mass m_x that gives way to the rest of the mesh with the frequency omega_x, omega_x^2 = sum phi_i^2 omega_i^2 / sum
-phi_i^2.  Against the stop it bounces with sqrt(k / m_x).  If that is the faster one, the mass leaves the stop again and
-again before the rest of the mesh has followed: where the beam is pressed and little damped, thousands of contacts take
-the place of one.  A beam has no such mass.  On a mesh r times as fine m_x is r times smaller and omega_x r^2 times
-larger, so the ratio of the two frequencies falls with r^1.5.
+phi_i^2.  Against the stop it bounces with sqrt(k / m_x).  If the bounce is faster than omega_x, the mass leaves the
+stop again and again before the rest of the mesh has followed: where the beam is pressed and little damped, thousands of
+contacts take the place of one.  A beam has no such mass.  On a mesh r times as fine m_x is r times smaller and omega_x
+r^2 times larger, so the ratio of the two frequencies falls with r^1.5.
 
 **Modal damping** damps the modes of the present contact state, so its force jumps at each switch.  Where it drives the
-stop's gap function up in both states, the motion slides along the gap, in contacts that grow shorter and shorter.  That
-belongs to the problem, not to the mesh; it takes large ratios, or fast modes that a stiff stop has thrown.
+stop's gap function up in both states, the motion slides along the gap, in contacts that grow shorter and shorter.  This
+sliding belongs to the problem, not to the mesh; it takes large ratios, or fast modes that a stiff stop has thrown.
 """
 
 from __future__ import annotations
@@ -34,18 +34,7 @@ Where a vibrating beam is thrown against a stop that is too stiff for it, 40 ele
 
 
 def bounce_ratio(model: Model) -> FloatArray:
-    """How much faster a node bounces against each stop than the mesh without contact follows it.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-
-    Returns
-    -------
-    FloatArray, shape (P,)
-        sqrt(k / m_x) / omega_x, without unit; up to 1 the mesh follows the contacts; 0 on a fixed node.
-    """
+    """sqrt(k / m_x) / omega_x of each stop, ``(P,)``: up to 1 the mesh follows its contacts; 0 on a fixed node."""
     system = model.system(FREE)
     squares = system.stops**2
     inverse_mass, stiffness = squares.sum(axis=1), squares @ system.omega**2
@@ -58,26 +47,13 @@ class Crowd:
 
     model: Model
     window: float
-    """s."""
+    """Length of the window, s."""
     _ratio: FloatArray | None = None
     _start: float = -math.inf
     _switches: dict[int, int] = field(default_factory=dict)
 
     def add(self, stop: int, t: float) -> None:
-        """Count a switch.
-
-        Parameters
-        ----------
-        stop : int
-            Which stop switches.
-        t : float
-            When, s.
-
-        Raises
-        ------
-        SolverError
-            If they are too many, for a cause that is known.
-        """
+        """Count a switch of a stop at time `t`, s; a SolverError if there are too many, for a known cause."""
         if t - self._start > self.window:
             self._start, self._switches = t, {}
         number = self._switches[stop] = self._switches.get(stop, 0) + 1

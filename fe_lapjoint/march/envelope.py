@@ -1,9 +1,9 @@
-"""Bounds on how a motion strays from what its value and its rate promise, term by term.
+"""Bounds on how far a motion strays from its tangent and from its chord, term by term.
 
 A place's motion is a sum of terms f that die away: exponentials, of which a fast one may be faint.  Over a time w, f
 strays from its tangent by at most w^2 max|f''| / 2, and also by 2 w max|f'|; from its chord by w^2 max|f''| / 8, and by
-2 max|f|.  The smaller bound counts.  So a mode of a million rad/s that rounding alone excites, or that has died away,
-does not shorten the steps of a search, and one that an impact has excited does.
+2 max|f|.  The smaller bound counts.  A mode of a million rad/s that rounding alone excites, or that has died away, does
+not shorten the steps of a search; a mode that an impact has excited does.
 """
 
 from __future__ import annotations
@@ -20,58 +20,33 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Bounds on ``m`` terms at ``p`` places, each times exp(-fading (t - start)) from a time t on.
+    """Bounds on ``m`` terms at ``p`` places from a time t on, each times exp(-fading (t - start)).
 
-    A term is the motion of a mode, or of whatever else moves, times its share in the motion of a place.
+    A term is the motion of a mode, of a load's answer or of a rigid body.  A share is the factor of a term in the
+    motion of a place.
     """
 
     start: float
-    """s."""
+    """Start of the motion, s."""
     fading: FloatArray
     """Rate at which each bound falls, 1/s, shape ``(m,)``."""
     shares: FloatArray
     """Moduli of the shares, shape ``(p, m)``; with the bounds below they give m, m/s and m/s2."""
     value: FloatArray
-    """On \\|f\\| over its share, shape ``(m,)``; infinite for what grows."""
+    r"""Bound on \|f\| over its share, shape ``(m,)``; infinite for a term that grows."""
     slope: FloatArray
-    """On \\|f'\\| over its share, shape ``(m,)``; infinite for what grows."""
+    r"""Bound on \|f'\| over its share, shape ``(m,)``; infinite for a term that grows."""
     curvature: FloatArray
-    """On \\|f''\\| over its share, shape ``(m,)``."""
+    r"""Bound on \|f''\| over its share, shape ``(m,)``."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far the motion of each place may rise above the higher end of an interval.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (i,)
-            Where intervals begin, s.
-        width : float
-            Their width, s.
-
-        Returns
-        -------
-        FloatArray, shape (p, i)
-            m.
-        """
+        """How far each place may rise above the higher end of intervals from `t`, s, ``(i,)``: m, shape ``(p, i)``."""
         return np.asarray(_from_chord(self.shares, self.fading, self.value, self.curvature, t - self.start, width))
 
     def from_tangent(self, place: int, t: float, width: float) -> tuple[float, float]:
-        """How far the motion of a place, and its rate, may stray from their values at a time.
+        """How far a place, m, and its rate, m/s, may stray within `width` seconds from their values at time `t`.
 
-        Parameters
-        ----------
-        place : int
-            Which place.
-        t : float
-            The time, s.
-        width : float
-            For how long after it, s.
-
-        Returns
-        -------
-        float, float
-            By how much it may leave its tangent, m: by no more than the part s / width of that after s; and by how much
-            its rate may change, m/s.
+        A part s of that time accounts for at most the part s / width of the displacement.
         """
         since = t - self.start
         stray, turn = from_tangent(self.shares[place], self.fading, self.slope, self.curvature, since, width)
@@ -94,22 +69,7 @@ def _from_chord(
 def from_chord(
     shares: FloatArray, fading: FloatArray, value: FloatArray, curvature: FloatArray, since: float, width: float
 ) -> float:
-    """How far the motion of one place may rise above the higher end of an interval.
-
-    Parameters
-    ----------
-    shares, fading, value, curvature : FloatArray, shape (m,)
-        As in `Envelope`, of the place.
-    since : float
-        When the interval begins, s from the start.
-    width : float
-        Its width, s.
-
-    Returns
-    -------
-    float
-        m.
-    """
+    """`Envelope.from_chord`, m, for one place with bounds ``(m,)`` and one interval, `since` seconds after `start`."""
     above = 0.0
     for k in range(fading.size):
         above += shares[k] * min(2 * value[k], curvature[k] * (width**2 / 8)) * math.exp(-fading[k] * since)
@@ -120,22 +80,7 @@ def from_chord(
 def from_tangent(
     shares: FloatArray, fading: FloatArray, slope: FloatArray, curvature: FloatArray, since: float, width: float
 ) -> tuple[float, float]:
-    """How far the motion of one place, and its rate, may stray from their values at a time.
-
-    Parameters
-    ----------
-    shares, fading, slope, curvature : FloatArray, shape (m,)
-        As in `Envelope`, of the place.
-    since : float
-        The time, s from the start.
-    width : float
-        For how long after it, s.
-
-    Returns
-    -------
-    tuple of float
-        As `Envelope.from_tangent`, m and m/s.
-    """
+    """`Envelope.from_tangent` for one place, with bounds ``(m,)``, `since` seconds after the start: m and m/s."""
     stray, turn = 0.0, 0.0
     for k in range(fading.size):
         now, steep, bent = shares[k] * math.exp(-fading[k] * since), 2 * slope[k], curvature[k] * width

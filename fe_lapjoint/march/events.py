@@ -1,4 +1,4 @@
-"""Where a stop opens or closes within one exact flow: a search that no double crossing escapes.
+"""The search for the time when a stop opens or closes within one exact flow; no double crossing escapes it.
 
 `solve_ivp` looks at its events at the ends of its steps only, so that two crossings inside one step go unseen, and
 restarting on an event fires it again.  Here the gap functions h are sampled on the dense output.  Bounds on how far h
@@ -6,13 +6,13 @@ strays from a chord and from a tangent, see `fe_lapjoint.march.envelope`, clear 
 others are halved until they are clear, or h rises all the way through one of them, where Newton's method finds the
 crossing.  None of the bounds has a unit of its own: a motion a million times as fast is searched in as many steps.
 
-A stop switches where h exceeds its `level`, half of what rounding makes of a gap that is closed, and the switch is
-where h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch
-again.  So rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  Between two samples that
-do not exceed the level, a bound that rounding may make is no switch, either: see `SURE`.
+A stop switches where h exceeds its `level`, half of the rounding error of a gap that is closed, and the switch is where
+h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch
+again.  Thus rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  Between two samples that
+do not exceed the level, a bound as small as rounding is no switch, either: see `SURE`.
 
-`searching` makes the search from the functions that read a motion: `in_python` asks any gap functions, and where all is
-compiled that a motion is read by, so is the search; see `fe_lapjoint.march.gaps`.
+`searching` makes the search from the functions that read a motion.  `in_python` reads any gap functions.  Where the
+functions that read a motion are compiled, the search is compiled, too; see `fe_lapjoint.march.gaps`.
 """
 
 from __future__ import annotations
@@ -30,153 +30,75 @@ from lapjoint.problem import FloatArray
 
 BoolArray = npt.NDArray[np.bool_]
 IndexArray = npt.NDArray[np.intp]
-_STEPS = 60  # of Newton's method or of halving, at most; 52 halvings leave the last digit of an interval
+_STEPS = 60
+"""Most steps of Newton's method or of halving; 52 halvings reach the last digit of an interval."""
 CONTINUOUS = 1e6
-"""Roundings: a stop further beyond its switch than this has not just switched, but switches at once."""
+"""In roundings: a stop further than this beyond its switch has not just switched; it switches at once."""
 SURE = 0.5
-"""Of rounding: a value of h that is so far above 0 makes a stop switch.  A bound on h between two values may be as far
-above 0 as rounding is, and no stop switches: so a motion that stays near its level is not searched for ever."""
-_LATE = 4  # resolutions: another stop's switch may have been located so much later than this stop's
-_RESOLUTION = 2.0**-50  # relative: a crossing is located to four rounding errors of the times that are searched
-_FEW = 4  # steps: so many are searched sooner than a second look at them excludes some
+"""In roundings: a value of h this far above 0 makes a stop switch.
+
+A bound on h between two values may exceed 0 by a whole rounding without a switch, so that a motion that stays near its
+level is not searched for ever.
+"""
+_LATE = 4
+"""In resolutions: the switch of another stop may have been located this much later."""
+_RESOLUTION = 2.0**-50
+"""Relative error of a located crossing: four rounding errors of the times that are searched."""
+_FEW = 4
+"""Number of steps that are searched sooner than a second look excludes some of them."""
 
 
 class BoundedGaps(Protocol):
     """The gap functions h, m, of ``P`` stops, with bounds: h rises through 0 where a stop opens or closes."""
 
     def at(self, k: int, t: float) -> tuple[float, float]:
-        """One gap function and its rate at one time.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float, float
-            h, m, and h', m/s.
-        """
+        """The gap function h of stop `k`, m, and its rate, m/s, at time `t`, s."""
 
     @property
     def curvature(self) -> FloatArray:
         """Bounds on \\|h''\\| at all times, m/s2, shape ``(P,)``: quickly had, for a first look."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far each gap function may rise above, or fall below, both ends of an interval.
+        """How far each gap function may leave the range of its values at both ends of intervals, m, shape ``(P, i)``.
 
-        Parameters
-        ----------
-        t : FloatArray, shape (i,)
-            Where intervals begin, s.
-        width : float
-            Their width, s.
-
-        Returns
-        -------
-        FloatArray, shape (P, i)
-            m.
+        The intervals begin at `t`, s, ``(i,)``, and are `width` seconds wide.
         """
 
     def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
-        """The most that a gap function, or minus it, can be in intervals.
+        """Upper bound on `side` (+1 or -1) times the gap function of stop `k` in intervals, m, shape ``(i,)``.
 
-        It is less than the higher end and `from_chord` allow, where something swings within an interval: that reaches
-        its crest at most, wherever it is at the ends.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        t : FloatArray, shape (i,)
-            Where intervals begin, s.
-        width : float
-            Their width, s.
-        ends : FloatArray, shape (2, i)
-            The gap function at their beginnings and ends, m.
-        side : float
-            +1 for the gap function, -1 for minus it.
-
-        Returns
-        -------
-        FloatArray, shape (i,)
-            m.
+        The intervals begin at `t`, s, ``(i,)``, are `width` seconds wide, and have the values `ends`, m, ``(2, i)``.
+        The bound is lower than the higher end and `from_chord` allow where a term swings within an interval: such a
+        term reaches its crest at most, wherever it is at the ends.
         """
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
-        """How far a gap function, and its rate, may stray from their values at a time.
+        """How far the gap function of stop `k`, m, and its rate, m/s, may stray within `width` seconds from time `t`.
 
-        Parameters
-        ----------
-        k : int
-            The stop.
-        t : float
-            The time, s.
-        width : float
-            For how long after it, s.
-
-        Returns
-        -------
-        float, float
-            By how much it may leave its tangent, m: by no more than the part s / width of that after s; and by how much
-            its rate may change, m/s.
+        A part s of that time accounts for at most the part s / width of the displacement.
         """
 
 
 class Gaps(BoundedGaps, Protocol):
-    """The same, on a grid of times, too."""
+    """Gap functions with bounds that can be read at many times, and at the steps of the search's grid."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions at the times ``t``, s, shape ``(m,)``: m, shape ``(P, m)``."""
 
     def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
-        """One gap function and its rate at both ends of a step of the grid that is searched.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        i : int
-            Which step.
-
-        Returns
-        -------
-        float, float, float, float
-            h, m, and h', m/s, at its beginning; h and h' at its end.
-        """
+        """h, m, and h', m/s, of stop `k` at the beginning, then at the end, of step `i` of the searched grid."""
 
 
 @njit_called()
 def _first_look(
     h: FloatArray, rounding: FloatArray, fresh: BoolArray, curvature: FloatArray, width: float
 ) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray, tuple[FloatArray, BoolArray, BoolArray]]:
-    """Which stops may switch in which steps of the grid, by a bound on the curvature.
+    """Which stops may switch in which steps of the grid, by a bound on the curvature; arguments as in `searching`.
 
-    Parameters
-    ----------
-    h : FloatArray, shape (P, m + 1)
-        The gap functions on the grid, m.
-    rounding, fresh : FloatArray, BoolArray, shape (P,)
-        See `searching`.
-    curvature : FloatArray, shape (P,)
-        Bounds on \\|h''\\|, m/s2.
-    width : float
-        Of a step, s.
-
-    Returns
-    -------
-    held : BoolArray, shape (P,)
-        Whether each stop has just switched.
-    level : FloatArray, shape (P,)
-        What h must exceed for a stop to switch, m.
-    suspicious : BoolArray, shape (P, m)
-        Which stops may exceed their level in which steps, up to the first that is sure to have a crossing.
-    steps : IndexArray, shape (s,)
-        The steps in which any may.
-    room : tuple of FloatArray, shape (P, 4), and two of BoolArray, shape (P,)
-        New arrays, all zero, for what is found in a step.
+    Given back are: whether each stop has just switched, ``(P,)``; the level that h must exceed, m, ``(P,)``; which
+    stops may exceed their level in which steps, up to the first step that is sure to have a crossing, ``(P, m)``; the
+    steps in which any stop may switch, ``(s,)``; and zeroed arrays ``(P, 4)``, ``(P,)``, ``(P,)`` for the findings of a
+    step.
     """
     stops, last = h.shape[0], h.shape[1] - 1
     held, level = bool_zeros(stops), SURE * rounding
@@ -203,18 +125,18 @@ def _first_look(
 
 @njit_called()
 def _passed(rising: tuple[float, ...], level: float) -> float:
-    """About when a rising gap function passes a level: time as a cubic in it, by its value and rate at both ends."""
+    """Estimate of when a rising gap function passes a level: time as a cubic in h, by values and rates at both ends."""
     start, end, h, rate, h_end, rate_end = rising
     width, rise = end - start, h_end - h
     u = (level - h) / rise
-    if not rate_end > 0:  # estimates in place of bounds do not rule that out
+    if not rate_end > 0:  # estimates in place of bounds allow a falling end
         return start + u * width
     slow, fast = rise / rate, rise / rate_end
     return start + u * (u * (3 - 2 * u) * width + (1 - u) * ((1 - u) * slow - u * fast))
 
 
 Search = Callable[..., Any]
-"""One of the functions of a search, or one by which it reads a motion."""
+"""A function of a search, or a function by which a search reads a motion."""
 
 
 class Reads(NamedTuple):
@@ -248,29 +170,19 @@ def _as_it_is(function: Search) -> Search:
 def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is) -> Searches:
     """The search for the first switch, made from the functions that read a motion.
 
-    Both functions return the time, s, and the stop, which is -1 if none switches.
+    `inner` and `outer` decorate the functions that the search alone calls, and those that others call. Both functions
+    of the search return the time, s, and the stop, which is -1 if none switches.
 
     - ``first_switch(gaps, t, h, rounding, fresh, curvature)`` finds the first crossing of any gap function on an even
-      grid of times `t`, s, ascending, ``(m + 1,)``, with the gap functions `h` there, m, ``(P, m + 1)``; what rounding
-      makes of each, m, ``(P,)``; whether each stop may have switched at ``t[0]``, so that its gap function is zero
-      there but for rounding, ``(P,)``; and bounds on their curvature, m/s2, ``(P,)``.
+      grid of times `t`, s, ascending, ``(m + 1,)``.  `h` holds the gap functions there, m, ``(P, m + 1)``; `rounding`
+      the rounding error of each, m, ``(P,)``; `fresh` whether each stop may have switched at ``t[0]``, where its gap
+      function is then zero but for rounding, ``(P,)``; `curvature` bounds on their curvature, m/s2, ``(P,)``.
+
     - ``first_in(gaps, start, end, which, ends, level, rounding, touching, curvature, latest)`` finds it in one part of
-      the time: `which` stops may switch in it, ``(P,)``; their gap functions, m, and rates, m/s, at its start, and at
-      its end, ``(P, 4)``; what each must exceed, and what of it is rounding, m, ``(P,)``; whether each has just
-      switched where the part begins, ``(P,)``; and the largest modulus of the times, s, to the rounding of which a
-      crossing is located.
-
-    Parameters
-    ----------
-    reads : Reads
-        The functions.
-    inner, outer : callable
-        Decorators of what is called by the search alone, and by others.
-
-    Returns
-    -------
-    Searches
-        The functions.
+      the time.  `which` says the stops that may switch in it, ``(P,)``; `ends` their gap functions, m, and rates, m/s,
+      at its start and at its end, ``(P, 4)``; `level` what each must exceed and `rounding` how much of it is rounding,
+      m, ``(P,)``; `touching` whether each has just switched where the part begins, ``(P,)``; `latest` is the largest
+      modulus of the times, s, to the rounding of which a crossing is located.
     """
     at, at_step, from_chord, ceiling, from_tangent = reads
 
@@ -320,7 +232,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
         touching = touching or h > level
         level, width = max(h, level), end - t
         # From where a stop has just switched, widths grow from nothing.  A part of a swing may be unclear where whole
-        # swings, of which the crest is known, are clear: so a width as long as all before it is tried, too.
+        # swings, whose crest is known, are clear: therefore a width as long as all before it is tried, too.
         clear, begin = level + (1 - SURE) * rounding, t if touching else math.inf
         while t < end:
             last = width >= end - t
@@ -381,7 +293,7 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
         """The first crossing on a grid."""
         width, latest = t[1] - t[0], max(abs(t[0]), abs(t[-1]))
         held, level, suspicious, steps, (ends, which, none) = _first_look(h, rounding, fresh, curvature, width)
-        more = steps.size > _FEW  # a bound for each excludes most of them
+        more = steps.size > _FEW  # a bound for each step excludes most steps
         for i in steps:
             found = False
             for k in range(fresh.size):

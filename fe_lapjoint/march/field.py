@@ -41,7 +41,7 @@ class ElementField:
 
 @dataclass(frozen=True, slots=True)
 class Later:
-    """Coordinates of a piece of the whole motion, whose own march counts time from 0."""
+    """Coordinates of a piece in the time of the whole motion; the piece's own march counts time from 0."""
 
     coordinates: Coordinates
     offset: float
@@ -53,25 +53,10 @@ class Later:
 
 
 def history_of(name: str, model: Model, motions: Sequence[March], period: float, first: int = 0) -> History:
-    """Marches that follow each other, a period apart, each from its own time 0, as one History.
+    """Recorded marches that follow each other as one History.
 
-    Parameters
-    ----------
-    name : str
-        Name and options of the solver.
-    model : Model
-        The problem on a mesh.
-    motions : sequence of March
-        The marches, each recorded.
-    period : float
-        From the start of one march to that of the next, s.
-    first : int
-        How many marches lie before the first.
-
-    Returns
-    -------
-    History
-        The whole motion.
+    Each march counts time from 0, and begins `period` seconds after the one before it. `first` is the number of marches
+    before the first one given.
     """
     pieces = [_later(piece, i * period) for i, motion in enumerate(motions, first) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
@@ -97,7 +82,7 @@ def _later(piece: Piece, offset: float) -> Piece:
 
 
 def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contact, ...]:
-    """All contacts, by start time; those that a march ends and the next one begins with are one."""
+    """All contacts, by start time; a contact that one march ends with and the next begins with is one."""
     done: list[Contact] = []
     going: dict[int, Contact] = {}
     for i, motion in enumerate(motions, first):

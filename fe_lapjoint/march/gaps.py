@@ -27,11 +27,11 @@ class FlowTerms(NamedTuple):
     """The gap functions of ``P`` stops at ``p`` places, in a flow of ``m`` terms of which all but the constant ring."""
 
     start: float
-    """s."""
+    """Start of the flow, s."""
     terms: ComplexArray
     """Amplitudes of the terms at the start in the motion of each place, m, shape ``(p, m)``."""
     rates: ComplexArray
-    """Their rates r, 1/s, shape ``(m,)``."""
+    """Rates r of the terms, 1/s, shape ``(m,)``."""
     swinging: FloatArray
     """\\|r\\| of the terms that may be taken for swinging, 1/s; 0 for the others; shape ``(m,)``."""
     grid: FloatArray
@@ -104,7 +104,7 @@ class FlowGaps:
     offset: FloatArray
     """m, shape ``(P,)``; see `Model.offset`."""
     step: float
-    """Of the grid that is searched, from the start of the flow on, s."""
+    """Spacing of the grid that is searched, which begins with the flow, s."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
@@ -128,7 +128,7 @@ class FlowGaps:
         return sign * z - offset, sign * rate, sign * z_end - offset, sign * rate_end
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """Bounds on what lies between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
+        """Bounds between the ends of intervals. See `fe_lapjoint.march.events.Gaps.from_chord`."""
         return np.asarray(self.flow.envelope.from_chord(t, width)[self.flow.system.place_of])
 
     def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
@@ -137,17 +137,17 @@ class FlowGaps:
         return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
-        """Bounds on what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
+        """Bounds on the time ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
         return self.flow.envelope.from_tangent(int(self.flow.system.place_of[k]), t, width)
 
     @property
     def rounding(self) -> FloatArray:
-        """What rounding makes of the gap functions, m, shape ``(P,)``."""
+        """Rounding error of each gap function, m, shape ``(P,)``."""
         return np.asarray(self.flow.rounding + np.finfo(float).eps * np.abs(self.offset))
 
     @property
     def flow_terms(self) -> FlowTerms | None:
-        """The same for the compiled search; None where not every mode rings."""
+        """The gap functions for the compiled search; None where not every mode rings."""
         flow, it = self.flow, self.flow.system
         if not it.all_ring:
             return None
@@ -171,9 +171,9 @@ class SolutionGaps:
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     coordinates: Coordinates
     start: float
-    """The window begins, s."""
+    """Start of the window, s."""
     end: float
-    """It ends, s."""
+    """End of the window, s."""
     orientation: FloatArray
     """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
@@ -214,7 +214,7 @@ class SolutionGaps:
         return np.asarray((side * ends).max(axis=0) + self.from_chord(t, width)[k])
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
-        """Estimates for what lies ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
+        """Estimates for the time ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""
         bent = float(self.curvature[k]) * width
         return bent * width / 2, bent
 
@@ -229,6 +229,6 @@ class SolutionGaps:
 
     @cached_property
     def rounding(self) -> FloatArray:
-        """What rounding makes of the gap functions, m, shape ``(P,)``."""
+        """Rounding error of each gap function, m, shape ``(P,)``."""
         q = np.abs(self.coordinates(np.array([self.start]), 0)[:, 0])
         return np.asarray(32 * np.finfo(float).eps * (np.abs(self.stops) @ q + np.abs(self.offset)))

@@ -1,12 +1,12 @@
 r"""The initial state on the mesh: nodal values and slopes of z(x, 0) and z_t(x, 0), and the stops closed then.
 
-Where the beam is at a stop, the gap function h(t) begins with the first of its time derivatives that is not 0, and so
-the sign of that one says whether the stop is closed.  On the mesh, from displacements u and velocities u',
+Where the beam is at a stop, the gap function h(t) begins with the first of its time derivatives that is not 0, and the
+sign of this derivative says whether the stop is closed.  On the mesh, from displacements u and velocities u',
 
     M u'' = f - K u - C u',    M u''' = f' - K u' - C u'',    M u'''' = f'' - K u'' - C u''', ...
 
-in the modes of the contact state.  K u of the initial shape is taken from its curvature, which a displacement as a
-rigid body does not have: differences of nodal values would leave their rounding error times a frequency squared.
+in the modes of the contact state.  K u of the initial shape is taken from its curvature, which a rigid-body
+displacement does not have: differences of nodal values would leave their rounding error times a frequency squared.
 """
 
 from __future__ import annotations
@@ -24,23 +24,18 @@ from lapjoint.problem import FloatArray
 
 ShapeFunction = Callable[..., FloatArray]
 _ORDERS = 6
-"""How many derivatives of a gap function are looked at, the velocity first: of a beam at rest, a force's fourth."""
+"""Number of time derivatives of a gap function that are looked at, from the velocity on.
+
+The sixth shows a force that begins with its fourth derivative on a beam at rest.
+"""
 _DIGITS_LOST = 64 * float(np.finfo(float).eps)
-"""Relative to the sum of the moduli of some hundred addends: more than the rounding error of their sum."""
+"""Bound on the rounding error of a sum of some hundred addends, relative to the sum of their moduli."""
 
 
 def initial_state(model: Model) -> ContactState:
     """The stops that are pressed at t = 0, or touched by a beam that goes on to press them.
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-
-    Returns
-    -------
-    ContactState
-        The stops that are closed; one at which the beam rests for good is open.
+    A stop at which the beam rests for good is open.
     """
     initial, stops = model.problem.initial, model.problem.stops
     gaps = np.array([it.sign * float(initial.displacement_at(np.array(it.x))) - it.gap for it in stops])
@@ -65,9 +60,9 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
         fastest = float(np.abs(initial.velocity_at(model.assembly.nodes)).max())
         return np.array(rate), np.full(len(rate), _DIGITS_LOST * fastest)
     v = initial_coordinates(model.assembly, system)[system.omega.size :]
-    x, of_x = np.zeros_like(v), np.zeros_like(v)  # the displacement, of which the elastic forces are known without it
+    x, of_x = np.zeros_like(v), np.zeros_like(v)  # 0: `_elastic_forces` replaces K u and K u'
     v, of_v = _cleared(v, np.full_like(v, _DIGITS_LOST * float(np.linalg.norm(v))))
-    with np.errstate(over="ignore", invalid="ignore"):  # comparisons with what is not finite decide nothing
+    with np.errstate(over="ignore", invalid="ignore"):  # comparisons with infinity or NaN decide nothing
         for n in range(order - 1):
             pull, of_pull = system.omega**2 * x, system.omega**2 * of_x
             if n < 2:
@@ -82,7 +77,7 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
 
 
 def _cleared(values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both, or zeros where no value exceeds its error: then all of it is rounding."""
+    """The values and their errors; zeros in place of both where no value exceeds its error."""
     return (values, errors) if np.any(np.abs(values) > errors) else (np.zeros_like(values), np.zeros_like(errors))
 
 
@@ -115,20 +110,7 @@ def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) ->
 
 
 def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
-    """The initial state in modal coordinates, by Hermite interpolation on the mesh.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    system : System
-        The contact state at t = 0, with ``n`` modes.
-
-    Returns
-    -------
-    FloatArray, shape (2 n,)
-        (q, q') at t = 0, kg^1/2 m and kg^1/2 m/s.
-    """
+    """(q, q') at t = 0 by Hermite interpolation on the mesh, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     initial = assembly.problem.initial
     shapes = initial.displacement_at, initial.velocity_at
     return np.concatenate([system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes])

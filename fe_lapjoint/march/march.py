@@ -1,11 +1,11 @@
 """The march of the finite element model: linear flows between switches, with this package's own event handling.
 
-Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow,
-or by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.march.events` looks for the first
-switch in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.  A
-window of the exact flow in which every stop stays well away from its switch is followed by one of twice the length, up
-to a third of the shortest excitation period, so that a slow motion takes few; any other by one of the first length.
-`fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
+Time is cut into windows.  In each, the linear system of the present contact state is integrated: by its exact flow, or
+by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.march.events` looks for the first switch
+in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.  A window of
+the exact flow in which every stop stays well away from its switch is followed by one of twice the length, up to a third
+of the shortest excitation period, so that a slow motion takes few windows.  Any other window is followed by one of the
+first length. `fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Coordinates, Flow
-from fe_lapjoint.march.ramp_motion import RampMotion, follow
+from fe_lapjoint.march.ramp_march import RampMotion, follow
 from fe_lapjoint.march.system import SAMPLES, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
@@ -31,25 +31,29 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-_GAUSS = np.polynomial.legendre.leggauss(10)  # points and weights on [-1, 1]
-_PIECE = 1000  # bytes that a piece of a motion takes at most, beside (q, q') at its start
-_ACCOUNTED = 1024  # pieces between two looks at the memory that they take: some MB
-WINDOWS_PER_PERIOD = 3  # windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending
+_GAUSS = np.polynomial.legendre.leggauss(10)
+"""Points and weights of Gauss' rule on [-1, 1]."""
+_PIECE = 1000
+"""Most memory of a piece of a motion, beside (q, q') at its start, bytes."""
+_ACCOUNTED = 1024
+"""Pieces between two looks at the memory of all pieces: some MB."""
+WINDOWS_PER_PERIOD = 3
+"""Windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlowFrom:
-    """The coordinates of an exact flow, made anew where they are asked for: a tenth of the memory that it takes."""
+    """The coordinates of an exact flow, made anew when they are asked for, in a tenth of the flow's memory."""
 
     system: System
     start: float
-    """s."""
+    """Start of the flow, s."""
     y: FloatArray
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
 
     @property
     def flow(self) -> Flow:
-        """The flow, to its bits as it was integrated."""
+        """The flow, with the bits that it had when it was integrated."""
         return Flow(self.system, self.start, *self.y.reshape(2, -1))
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
@@ -63,9 +67,9 @@ class Piece:
 
     state: ContactState
     start: float
-    """s."""
+    """Start of the piece, s."""
     end: float
-    """s."""
+    """End of the piece, s."""
     y: FloatArray
     """(q, q') at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     coordinates: Coordinates
@@ -80,46 +84,16 @@ class Piece:
         return it if isinstance(it, Flow) else it.flow if isinstance(it, FlowFrom) else None
 
     def kept(self, model: Model) -> Piece:
-        """The same for later, without what was made to integrate it.
-
-        Parameters
-        ----------
-        model : Model
-            The problem on a mesh.
-
-        Returns
-        -------
-        Piece
-            With coordinates that are made anew where they are asked for.
-        """
+        """This piece for later use: its coordinates are made anew when they are asked for."""
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
 def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
-    """Integrate one state over a window by a library method, through `solve_ivp`.
+    """Modal coordinates from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh, with the method and its tolerances.
-    state : ContactState
-        The stops that are closed.
-    t, end : float
-        The window, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') at its start, kg^1/2 m and kg^1/2 m/s.
-
-    Returns
-    -------
-    Coordinates
-        The modal displacements and their derivatives within the window.
-
-    Raises
-    ------
-    SolverError
-        If the method stops before the end of the window.
+    A method that stops before the end of the window gives a SolverError.
     """
     system = model.system(state)
     options: dict[str, Any] = {"method": model.method, "rtol": model.rtol, "atol": model.atol}
@@ -145,11 +119,11 @@ class March:
 
     model: Model
     pieces: tuple[Piece, ...]
-    """All, or the last; see `march`."""
+    """All pieces of the motion, or the last alone; see `march`."""
     contacts: tuple[Contact, ...]
     """By start time; empty if the march was not to be recorded."""
     state: ContactState
-    """At the end."""
+    """Contact state at the end."""
     y: FloatArray
     """(q, q') at the end, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     switches: int
@@ -169,7 +143,7 @@ class _Going:
     """A contact that has not ended yet."""
 
     start: float
-    """s."""
+    """Start of the contact, s."""
     open_start: bool
     """Whether the stop was closed when the march began."""
     area: float = 0.0
@@ -180,17 +154,17 @@ class _Going:
 
 @dataclass
 class _Since:
-    """What a window has to know of the one before it."""
+    """What a window must know of the window before it."""
 
     switch: FloatArray
     """When each stop switched last, or when the march began, s, shape ``(P,)``."""
     rounding: FloatArray
-    """What rounding made of each gap function in the window before, m, shape ``(P,)``."""
+    """Rounding error of each gap function in the window before, m, shape ``(P,)``."""
     shift: FloatArray
     """How far above 0 each gap function was when its stop switched, m, shape ``(P,)``; used along ramps."""
 
     def rounding_until_now(self, rounding: FloatArray) -> FloatArray:
-        """The larger of what rounding makes now and made before, which the change of state has carried over."""
+        """The larger of this and the last window's rounding, m, ``(P,)``: a change of state carries rounding over."""
         larger, self.rounding = np.maximum(rounding, self.rounding), rounding
         return larger
 
@@ -208,39 +182,12 @@ def march(
     keep: bool = True,
     max_switches: int = 200_000,
 ) -> March:
-    """March from one time to another.
+    """March from `start` to `end`, s, in steps from switch to switch.
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    state : ContactState
-        The stops that are closed at the start.
-    y : FloatArray, shape (2 n,)
-        (q, q') at the start, kg^1/2 m and kg^1/2 m/s, in the modes of that state.
-    start, end : float
-        From when to when, s.
-    progress : callable, optional
-        Called with (done, total), s.
-    record : bool
-        Whether to list contacts.
-    peaks : bool
-        Whether to find the peak forces of the contacts, too.
-    keep : bool
-        Whether to keep every piece of the motion, and not only the last.
-    max_switches : int
-        After how many switches to give up.
-
-    Returns
-    -------
-    March
-        The motion.
-
-    Raises
-    ------
-    SolverError
-        If the integrator fails, more than `max_switches` switches occur, those of a stop crowd that is too stiff for
-        the mesh, see `fe_lapjoint.march.crowding`, or the motion takes too much memory.
+    `y` holds (q, q') at the start in the modes of `state`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.  `record` says
+    whether contacts are listed, `peaks` whether their peak forces are found, `keep` whether every piece of the motion
+    is kept, or the last alone.  A SolverError comes if the integrator fails, if more than `max_switches` switches
+    occur, if those of a stop crowd (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
     """
     window, longest, size = window_of(model, state), longest_window(model, state, end - start), 0.0
     if keep and model.problem.forces.ramps is None:
@@ -288,26 +235,9 @@ def march(
 
 
 def require_room(model: Model, pieces: float, before: float = 0.0) -> float:
-    """Account for the memory that the pieces of a motion take.
+    """Account for the memory of pieces of a motion, bytes; a SolverError if it is too much.
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    pieces : float
-        How many there are, or will be at least.
-    before : float
-        What was accounted for before, bytes.
-
-    Returns
-    -------
-    float
-        What they take, bytes.
-
-    Raises
-    ------
-    SolverError
-        If that is too much; see `lapjoint.machine.memory`.
+    See `lapjoint.machine.memory`. `before` is the memory that was accounted for before, bytes.
     """
     modes = model.assembly.free.size
     size = pieces * (_PIECE + 16.0 * modes)
@@ -317,23 +247,12 @@ def require_room(model: Model, pieces: float, before: float = 0.0) -> float:
 
 
 def window_of(model: Model, state: ContactState) -> float:
-    """The time in which switches are searched for at once: a third of the shortest excitation period or slow motion.
+    """First length of a search window, s: a third of the shortest excitation period or of the slow motion's period.
 
-    The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed if that
-    is slower: on springs that are soft beside the beam the joint swings as a rigid body, and bending hardly moves it.
-    The search is by bounds, which hold whatever the window; a library method gives none, and keeps to bending.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    state : ContactState
-        Any, the loads are those of all.
-
-    Returns
-    -------
-    float
-        s.
+    The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed, if that
+    mode is slower: on springs that are soft beside the beam the joint swings as a rigid body, and bending hardly moves.
+    The search is by bounds, which hold in a window of any length.  A library method gives no bounds, and keeps to
+    bending.
     """
     beam = model.problem.beam
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
@@ -344,22 +263,7 @@ def window_of(model: Model, state: ContactState) -> float:
 
 
 def longest_window(model: Model, state: ContactState, duration: float) -> float:
-    """The longest time in which switches are searched for at once: a third of the shortest excitation period.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    state : ContactState
-        Any, the loads are those of all.
-    duration : float
-        That of the march, s: without excitation it is the longest.
-
-    Returns
-    -------
-    float
-        s.
-    """
+    """Longest search window, s: a third of the shortest excitation period, or the whole march without excitation."""
     periods = [2 * math.pi / omega for omega in model.system(state).driven]
     return float(min(periods) / WINDOWS_PER_PERIOD) if periods else duration
 
@@ -367,9 +271,10 @@ def longest_window(model: Model, state: ContactState, duration: float) -> float:
 def _advance(
     model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray, bool]:
-    """A window of up to `SAMPLES` steps, or less if a stop switches in it; and (q, q') at its end.
+    """A window of up to `SAMPLES` steps, shorter if a stop switches in it, and (q, q') at its end.
 
-    With them, whether no stop comes near its switch, so that steps of twice the length are worth trying.
+    The last value says whether every stop stays well away from its switch, so that a step of twice the length is worth
+    trying.
     """
     system = model.system(state)
     orientation, offset = model.orientation(state), model.offset(state)
@@ -398,7 +303,7 @@ def _advance(
 def _advance_on_ramps(
     model: Model, state: ContactState, t: float, end: float, window: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray]:
-    """Over knots, up to a switch at the latest; and (q, q') at the end."""
+    """A piece over knots of sampled forces, up to a switch at the latest, and (q, q') at its end."""
     knots, last = model.block_at(t)
     motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
     until, y_end, switched = follow(
@@ -410,7 +315,7 @@ def _advance_on_ramps(
 def _advance_by_library(
     model: Model, state: ContactState, t: float, end: float, y: FloatArray, since: _Since
 ) -> tuple[Piece, FloatArray]:
-    """A window integrated by `solve_ivp`."""
+    """A window integrated by `solve_ivp`, and (q, q') at its end."""
     coordinates = integrate(model, state, t, end, y)
     gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
     time, stop = math.inf, -1

@@ -2,24 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_lapjoint.march.ramp_interval import Knots, knots_of
-from fe_lapjoint.march.ramp_tables import RampTables, ramp_tables
-from fe_lapjoint.march.system import DETUNE, System, build_system, harmonic_loads
+from fe_lapjoint.march.ramp_interval import Knots, RampTables, knots_of, ramp_tables
+from fe_lapjoint.march.system import System, build_system, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.ramps import Ramps
-
-_OF_FREE_MOTION = {
-    *("oscillating", "all_oscillate", "which", "slowest_decay", "roots", "parts_of_roots"),
-    *("equilibrium", "drift", "polynomial", "exponentials", "_distinct"),
-}
-"""What a `System` keeps that depends on no harmonic load."""
 
 
 @dataclass
@@ -28,6 +21,7 @@ class Model:
 
     problem: Problem
     assembly: Assembly
+    """The mesh; its own problem may have harmonic loads of other sizes or frequencies."""
     method: str
     """"exact", or a method of `solve_ivp`."""
     rtol: float
@@ -40,7 +34,7 @@ class Model:
     _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
     _alike: Model | None = None
-    """A model that differs by the excitation alone, if there is one."""
+    """A model that differs by the excitation alone, whose contact states are shared."""
 
     def __post_init__(self) -> None:
         stops = self.problem.stops
@@ -49,59 +43,23 @@ class Model:
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
 
     def driven(self, problem: Problem) -> Model:
-        """The same mesh for a problem that differs by the size or the frequency of its excitation alone.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem.
-
-        Returns
-        -------
-        Model
-            It shares all matrices.
-        """
-        assembly = replace(self.assembly, problem=problem)
-        assembly.__dict__.update({**self.assembly.__dict__, "problem": problem})
-        return Model(problem, assembly, self.method, self.rtol, self.atol, _maps=self._maps, _alike=self._alike or self)
+        """This mesh, with all its matrices, for a problem with another size or frequency of the excitation."""
+        alike = self._alike or self
+        return Model(problem, self.assembly, self.method, self.rtol, self.atol, _maps=self._maps, _alike=alike)
 
     def system(self, state: ContactState) -> System:
-        """One contact state in modal form.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        System
-            Its modes and loads.
-        """
+        """One contact state in modal form."""
         system = self._systems.get(state)
         if system is None:
             if self._alike is None:
                 system = build_system(self.assembly, state)
             else:
-                system = _driven(self._alike.system(state), self.assembly)
+                system = under_other_loads(self._alike.system(state), self.assembly, self.problem.forces.harmonic)
             self._systems[state] = system
         return system
 
     def ramp_tables(self, state: ContactState, window: float) -> RampTables:
-        """One contact state as the march along sampled forces takes it.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-        window : float
-            Longest time that one closed form is searched for, s; always the same.
-
-        Returns
-        -------
-        RampTables
-            The state in flat arrays.
-        """
+        """One contact state for the march along sampled forces; `window`, s, is the same in every call."""
         tables = self._tables.get(state)
         if tables is None:
             signs = self._signs(state)
@@ -109,18 +67,7 @@ class Model:
         return tables
 
     def block_at(self, t: float) -> tuple[Knots, float]:
-        """The block of sampled forces that a time is in; see `lapjoint.problem.ramps.RampBlocks`.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        Knots, float
-            The block, and where it ends, s.
-        """
+        """The block of sampled forces at time `t`, s, and its end, s; see `lapjoint.problem.ramps.RampBlocks`."""
         assert self.problem.forces.ramps is not None
         block = self.problem.forces.ramps.block_at(t)
         if self._block is None or self._block[0] is not block:
@@ -128,66 +75,22 @@ class Model:
         return self._block[1], block.end
 
     def weighted(self, state: ContactState) -> FloatArray:
-        """M Phi of a contact state: the free degrees of freedom times it are the modal coordinates.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FloatArray, shape (n, n)
-            kg^1/2; one column for each mode.
-        """
+        """M Phi of a contact state, kg^1/2, ``(n, n)``: free degrees of freedom times it are modal coordinates."""
         return weighted(self.assembly, state)
 
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
-        """The orthogonal matrix Phi_new^T M Phi_old, which takes modal coordinates of one state to those of another.
-
-        Parameters
-        ----------
-        old, new : ContactState
-            From which state to which.
-
-        Returns
-        -------
-        FloatArray, shape (n, n)
-            Without unit.
-        """
+        """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, which maps modal coordinates between states."""
         matrix = self._maps.get((old, new))
         if matrix is None:
             matrix = self._maps[old, new] = transfer(self.assembly, old, new)
         return matrix
 
     def orientation(self, state: ContactState) -> FloatArray:
-        """The signs with which ``orientation * z - offset`` rises through 0 at the next switch of each stop.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FloatArray, shape (P,)
-            +1 or -1.
-        """
+        """Signs, ``(P,)``, with which ``orientation * z - offset`` rises through 0 at the next switch of each stop."""
         return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
-        """The gap of each stop, with the sign that belongs to `orientation`.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FloatArray, shape (P,)
-            The gap of an open stop, minus the gap of a closed one, m.
-        """
+        """The gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `orientation`."""
         return self._signs(state)[1]
 
     def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
@@ -197,13 +100,3 @@ class Model:
             direction = np.where(closed, -1.0, 1.0)
             signs = self._gaps[state] = direction * self.sign, direction * self.gap
         return signs
-
-
-def _driven(alike: System, assembly: Assembly) -> System:
-    """A contact state under harmonic loads of other sizes or frequencies; what does not depend on them is shared."""
-    if (alike.damping_rate < DETUNE * alike.omega).any():  # a load may meet its frequency
-        return build_system(assembly, alike.state)
-    harmonic, driven = harmonic_loads(assembly, alike.vectors)
-    system = replace(alike, harmonic=harmonic, driven=driven)
-    vars(system).update({name: kept for name, kept in vars(alike).items() if name in _OF_FREE_MOTION})
-    return system

@@ -9,16 +9,22 @@ import numpy as np
 from fe_lapjoint.march.events import BoolArray, Gaps, IndexArray
 from lapjoint.problem import FloatArray
 
-_FIRST = 16  # intervals to begin with
-_SPLIT = 16  # into how many an interval is cut that may hold more than was found; a few more cost hardly more
-_RELATIVE = 1e-12  # of the deepest: what is left to be found; a maximum is flat, so its place is known to 1e-6
-_CUTS = 20  # of an interval, at most; 12 of them cut to the last digit of a time
-_AT_ONCE = 32  # intervals that are cut together: those that may hold most, so that what they hold excludes others
+_FIRST = 16
+"""Intervals at first."""
+_SPLIT = 16
+"""Parts into which an interval is cut; a few more cost hardly more."""
+_RELATIVE = 1e-12
+"""Error of the deepest penetration, relative to it; a maximum is flat, so its time is known to 1e-6."""
+_CUTS = 20
+"""Most cuts of an interval; 12 of them reach the last digit of a time."""
+_AT_ONCE = 32
+"""Intervals that are cut together: the ones with the highest bounds, because a high value found there excludes others.
+"""
 
 
 @dataclass(frozen=True)
 class _Intervals:
-    """Intervals that may hold more than was found, with the gap function at their ends."""
+    """Intervals that may hold a deeper penetration than was found, with the gap function at their ends."""
 
     cuts: IndexArray
     """How often each was cut, shape ``(i,)``."""
@@ -30,11 +36,11 @@ class _Intervals:
     """The deepest penetration that each may hold, m, shape ``(i,)``."""
 
     def only(self, which: BoolArray) -> _Intervals:
-        """Some of them."""
+        """The selected intervals."""
         return _Intervals(self.cuts[which], self.start[which], self.ends[:, which], self.most[which])
 
     def and_others(self, others: _Intervals) -> _Intervals:
-        """They, and others."""
+        """These intervals followed by others."""
         return _Intervals(
             np.concatenate([self.cuts, others.cuts]),
             np.concatenate([self.start, others.start]),
@@ -44,30 +50,14 @@ class _Intervals:
 
 
 def deepest(gaps: Gaps, k: int, start: float, end: float, rounding: float) -> float:
-    """The deepest penetration of a closed stop.
+    """The deepest penetration of closed stop `k` between two times, s: in m, to 1e-12 of itself or to `rounding`, m.
 
-    Wherever the bound on an interval exceeds what has been found, the interval is cut, those with the highest bounds
-    first; none is left out before the bound says that it holds nothing deeper.
-
-    Parameters
-    ----------
-    gaps : Gaps
-        The gap functions of the state; that of a closed stop is minus its penetration.
-    k : int
-        The stop.
-    start, end : float
-        Between which times, s.
-    rounding : float
-        What rounding makes of the gap function, m: no more is looked for.
-
-    Returns
-    -------
-    float
-        m; to 1e-12 of itself, or to `rounding`.
+    An interval whose bound exceeds the deepest value found is cut, the highest bounds first.  An interval is left out
+    only when its bound says that it holds nothing deeper.
     """
 
     def intervals(edges: FloatArray, h: FloatArray, cuts: int) -> _Intervals:
-        """Those between the edges ``(i, n + 1)``."""
+        """Intervals between the edges ``(i, n + 1)``."""
         begin, ends = edges[:, :-1].ravel(), np.stack([h[:, :-1].ravel(), h[:, 1:].ravel()])
         most = gaps.ceiling(k, begin, width / _SPLIT**cuts, ends, -1.0)
         return _Intervals(np.full(begin.size, cuts), begin, ends, most)

@@ -22,7 +22,7 @@ from scipy.integrate import DenseOutput, OdeSolver
 
 from fe_lapjoint.march.compiled import above_troughs, at_place, at_row, integrals, moved_on, start_terms
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.ramp_motion import motion_of
+from fe_lapjoint.march.ramp_march import motion_of
 from fe_lapjoint.march.system import ComplexArray, System
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
@@ -33,25 +33,14 @@ Coordinates = Callable[[FloatArray, int], FloatArray]
 It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
 """
 _ROUNDING = 32 * np.finfo(float).eps
-"""Relative: what rounding makes of a sum of some hundred terms, and of a change of state, at most."""
+"""Bound on the relative rounding error of a sum of some hundred terms, and of a change of state."""
 
 
 def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Displacement C(t) after a unit displacement, and S(t) after a unit velocity, of free damped modes.
+    """Free damped modes: C(t) after a unit displacement, and S(t), s, after a unit velocity, each ``(n, m)``.
 
-    Parameters
-    ----------
-    a : FloatArray, shape (n,)
-        Damping rates zeta omega, 1/s.
-    omega : FloatArray, shape (n,)
-        Angular frequencies without damping, rad/s.
-    t : FloatArray, shape (m,)
-        Times since then, s, of either sign.
-
-    Returns
-    -------
-    FloatArray, FloatArray, each of shape (n, m)
-        C, without unit, and S, s.
+    Given are damping rates zeta omega, 1/s, and undamped angular frequencies, rad/s, ``(n,)``; and times, s, of either
+    sign, ``(m,)``.
     """
     square = (a**2 - omega**2)[:, None]
     s = np.sqrt(np.abs(square))
@@ -78,18 +67,9 @@ def _slow_rate(a: FloatArray, omega: FloatArray) -> FloatArray:
 
 
 class Flow:
-    """The exact motion of a `System` of ``n`` modes and ``P`` stops at ``p`` places, from given coordinates on.
+    """The exact motion of a `System` of ``n`` modes and ``P`` stops at ``p`` places from `start`, s, on.
 
-    Parameters
-    ----------
-    system : System
-        The contact state.
-    start : float
-        s.
-    q : FloatArray, shape (n,)
-        Modal displacements at the start, kg^1/2 m.
-    v : FloatArray, shape (n,)
-        Modal velocities at the start, kg^1/2 m/s.
+    `q` and `v` are modal displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start, ``(n,)``.
     """
 
     def __init__(self, system: System, start: float, q: FloatArray, v: FloatArray) -> None:
@@ -100,11 +80,11 @@ class Flow:
         )
 
     free: FloatArray
-    """Modal displacement and velocity at the start less those of the forced motion, shape ``(2, n)``."""
+    """Modal displacement and velocity at the start less the forced motion's, shape ``(2, n)``."""
     _amplitudes: ComplexArray
-    """Those of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
+    """Amplitudes of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
     _moduli: FloatArray
-    """Their moduli, shape ``(terms,)``."""
+    """Moduli of `_amplitudes`, shape ``(terms,)``."""
     terms: ComplexArray
     """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
     _sizes: FloatArray
@@ -127,18 +107,7 @@ class Flow:
         return result
 
     def at(self, t: float) -> FloatArray:
-        """(q, q') at one time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        FloatArray, shape (2 n,)
-            kg^1/2 m and kg^1/2 m/s.
-        """
+        """(q, q') at time `t`, s: kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
         it = self.system
         if not it.plain:
             times = np.array([t])
@@ -146,87 +115,33 @@ class Flow:
         return np.asarray(moved_on(self._amplitudes, it.rates_of_terms, it.motion_by_loads, t - self.start))
 
     def at_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
-        """A derivative of z at the stops: the same sum as q, with the modes contracted first.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            The times, s.
-        dt : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (P, m)
-            m, m/s or m/s2.
-        """
+        """The `dt`-th derivative (0 to 2) of z at the stops at times ``(m,)``, s: m over s^dt, shape ``(P, m)``."""
         it = self.system
         terms = self.terms * it.rates_of_terms**dt if dt else self.terms
         return self._with_others(terms.view(float) @ it.waves(t - self.start).T, t, dt)
 
     def at_grid(self, step: float, count: int) -> FloatArray:
-        """z at the stops on an even grid of times from the start.
-
-        Parameters
-        ----------
-        step : float
-            The spacing, s.
-        count : int
-            The number of steps, at most `SAMPLES`.
-
-        Returns
-        -------
-        FloatArray, shape (P, count + 1)
-            m.
-        """
+        """z at the stops on an even grid from the start, m, shape ``(P, count + 1)``; `count` is at most `SAMPLES`."""
         z = self.terms.view(float) @ self.system.grid(step)[: count + 1].T
         if self.system.plain:
             return np.asarray(z[self.system.place_of])
         return self._with_others(z, np.asarray(self.start + step * np.arange(count + 1.0)), 0)
 
     def at_stop(self, k: int, t: float) -> tuple[float, float]:
-        """z and its rate at one stop at one time.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float, float
-            m and m/s.
-        """
+        """z, m, and its rate, m/s, at stop `k` at time `t`, s."""
         it = self.system
         both = at_place(self.terms, it.rates_of_terms, it.place_of[k], t - self.start)
         return self._with_other_rates(both, k, t)
 
     def at_step(self, k: int, step: float, i: int) -> tuple[float, float, float, float]:
-        """z and its rate at one stop at both ends of a step of an even grid from the start.
-
-        Parameters
-        ----------
-        k : int
-            The stop.
-        step : float
-            The spacing, s.
-        i : int
-            Which step.
-
-        Returns
-        -------
-        float, float, float, float
-            m and m/s at its beginning, m and m/s at its end.
-        """
+        """z, m, and its rate, m/s, at stop `k` at the beginning, then at the end, of step `i` of a grid."""
         it, grid = self.system, self.system.grid(step)
         first, last = (at_row(self.terms, it.rates_of_terms, it.place_of[k], grid[j]) for j in (i, i + 1))
         begin, end = self.start + i * step, self.start + (i + 1) * step
         return *self._with_other_rates(first, k, begin), *self._with_other_rates(last, k, end)
 
     def _with_other_rates(self, both: tuple[float, float], k: int, t: float) -> tuple[float, float]:
-        """A displacement and its rate with what rigid-body and overdamped modes contribute, m and m/s."""
+        """A displacement and its rate with the contribution of rigid-body and overdamped modes, m and m/s."""
         it = self.system
         if it.plain:
             return both
@@ -239,7 +154,7 @@ class Flow:
         return float(now[0]), float(now[1])
 
     def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
-        """From the places to the stops, with what rigid-body and overdamped modes contribute, ``(P, m)``."""
+        """Motion of the stops, ``(P, m)``, from that of the places and of rigid-body and overdamped modes."""
         it = self.system
         if it.drift is not None:
             z = z + it.places @ self._drift(t - self.start, dt)
@@ -277,59 +192,23 @@ class Flow:
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
     def above_troughs(self, k: int, side: float, t: FloatArray, width: float) -> FloatArray:
-        """How far the terms that swing within an interval are, at its ends, above the least that they can be in it.
+        """How far swinging terms lie, at the ends of intervals, above their least value within, m, shape ``(2, i)``.
 
-        Parameters
-        ----------
-        k : int
-            The stop.
-        side : float
-            +1 for its displacement, -1 for the opposite.
-        t : FloatArray, shape (i,)
-            When intervals begin, s.
-        width : float
-            How long they are, s.
-
-        Returns
-        -------
-        FloatArray, shape (2, i)
-            The sums of these distances at the beginnings and at the ends, m.
+        The intervals begin at `t`, s, ``(i,)``; `side` is +1 for the displacement of stop `k`, -1 for its opposite.
         """
         it = self.system
         terms = self.terms[it.place_of[k]]
         return np.asarray(above_troughs(terms, it.rates_of_terms, it.swinging, side, t - self.start, width))
 
     def integral_at_stops(self, end: float) -> FloatArray:
-        """The time integral of z at the stops, from the start.
-
-        Parameters
-        ----------
-        end : float
-            Until when, s.
-
-        Returns
-        -------
-        FloatArray, shape (P,)
-            m s.
-        """
+        """The time integral of z at the stops from the start to `end`, m s, shape ``(P,)``."""
         it, T = self.system, end - self.start
         if not it.plain:
             return np.asarray(it.stops @ self.integral(end))
         return np.asarray(integrals(self.terms, it.rates_of_terms, T)[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
-        """The time integral of q from the start.
-
-        Parameters
-        ----------
-        end : float
-            Until when, s.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            kg^1/2 m s.
-        """
+        """The time integral of q from the start to `end`, kg^1/2 m s, shape ``(n,)``."""
         it, T = self.system, end - self.start
         waves = np.expm1(1j * it.driven * T) / (1j * it.driven) * np.exp(1j * (it.driven * self.start + it.phase))
         area = (it.amplitudes @ waves).imag + it.equilibrium * T
@@ -341,7 +220,7 @@ class Flow:
         return np.asarray(area)
 
     def _integral_of_others(self, T: float) -> FloatArray:
-        """Over T, that of the free motion of the modes that do not oscillate; 0 for the others; ``(n,)``."""
+        """The integral over T of the free motion of modes that do not oscillate, 0 for the other modes, ``(n,)``."""
         it, (x, y) = self.system, self.free
         area = np.zeros_like(x)
         drifting = (it.omega == 0) & (it.damping_rate == 0)
@@ -370,12 +249,13 @@ class Flow:
     def envelope(self) -> Envelope:
         r"""Bounds on the motion of the places, one term for each mode that rings or is nearly critical.
 
-        There are two for each that creeps, one for each load, and one for what the constant forces do to rigid-body
-        modes.  Where the two exponentials of a mode nearly cancel, with rates a +- s,
+        A mode that creeps has two terms.  Each load has a term, and so has the motion of rigid-body modes under
+        constant forces.  Where the two exponentials of a mode nearly cancel, with rates a +- s,
 
             \|q(t)\| <= (\|x\| + 2 \|y + a x\| / e r) exp(-r t / 2),   r = a - Re(s),
 
-        after x and y = x', because t exp(-r t / 2) is at most 2 / e r.  Its derivatives are such motions, too.
+        from x and y = x' on, because t exp(-r t / 2) is at most 2 / e r.  The derivatives of q are free motions, too,
+        and are bounded in the same way.
         """
         it, (x, y) = self.system, self.free
         if it.all_ring:
@@ -402,7 +282,7 @@ class Flow:
 
     @cached_property
     def rounding(self) -> FloatArray:
-        """What rounding makes of z at each stop, m, shape ``(P,)``: `_ROUNDING` of the sum of all terms' moduli."""
+        """Rounding error of z at each stop, m, shape ``(P,)``: `_ROUNDING` of the sum of all terms' moduli."""
         return np.asarray(_ROUNDING * self._sizes[self.system.place_of])
 
 

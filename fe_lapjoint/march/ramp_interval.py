@@ -1,16 +1,17 @@
 r"""The exact flow of one contact state under forces that are linear in time, from one knot to the next, compiled.
 
-The equations are linear, so the answer p to the ramps alone is added to the flow of all the rest, which starts from
-what p leaves.  For a modal force f + g s on a mode with stiffness, s from the start,
+The equations are linear, so the answer p to the ramps alone is added to the flow under all other loads, whose initial
+state is the given one less p.  For a modal force f + g s on a mode with stiffness, s from the start,
 
     p(s) = (f + g s) / omega^2 - 2 a g / omega^4,
 
 and a rigid-body mode, q'' + 2 a q' = f + g s, starts from rest: p = f e2 + g e3, with e1, e2, ... the integrals of
 exp(-2 a s), s and s^2 / 2 and so on where a is 0.
 
-p of modes with stiffness is linear in time, so it strays from no chord and from no tangent.
+p of modes with stiffness is linear in time, so its bounds on the distance from chord and tangent are 0.
 
-Arrays are named as in `RampTables`; an interval is the motion from a time on as long as the forces stay linear.
+`RampTables` holds one contact state in flat arrays, after which all others are named.  An interval is the motion from a
+time on as long as the forces stay linear.
 """
 
 from __future__ import annotations
@@ -21,17 +22,129 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_lapjoint.march.compiled import at_place
-from fe_lapjoint.march.ramp_tables import RampTables
-from fe_lapjoint.march.system import ComplexArray
+from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
 from lapjoint.compiled.by_reference import by_reference, in_c_order
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
-_SHORT = 2.0  # of 2 a s, without unit: up to it the integrals are summed as a series
-_TERMS = 22  # of that: the next is 2^22 4! / 26!, 3e-19 of the first
-_ROUNDING = float(32 * np.finfo(float).eps)  # relative, as in `fe_lapjoint.march.propagator`
+_SHORT = 2.0
+"""Largest 2 a s for which the integrals are summed as a series."""
+_TERMS = 22
+"""Terms of the series: the next term is 2^22 4! / 26! = 3e-19 of the first."""
+_ROUNDING = float(32 * np.finfo(float).eps)
+"""Relative rounding error, as in `fe_lapjoint.march.propagator`."""
+
+
+@by_reference
+class RampTables(NamedTuple):
+    """A contact state with ``n`` modes, ``P`` stops at ``p`` places, ``H`` harmonic loads and ``R`` sampled forces.
+
+    Of the modes ``o`` oscillate, ``e`` do not, and ``r`` are rigid-body modes; ``b`` terms are bounded, see
+    `fe_lapjoint.march.envelope`: the modes as in `System.bounded`, the loads, and the rigid-body modes.
+    """
+
+    omega: FloatArray
+    """Natural angular frequencies, rad/s, shape ``(n,)``."""
+    damping_rate: FloatArray
+    """zeta omega, 1/s, shape ``(n,)``."""
+    compliance: FloatArray
+    """1 / omega^2, s2, 0 for rigid-body modes, shape ``(n,)``."""
+    constant: FloatArray
+    """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
+    forces: FloatArray
+    """Modal force for each unit of a sampled force, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
+    which: IndexArray
+    """The modes that oscillate, shape ``(o,)``."""
+    others: IndexArray
+    """The modes that do not oscillate, shape ``(e,)``."""
+    rigid: IndexArray
+    """The rigid-body modes, shape ``(r,)``."""
+    rates: ComplexArray
+    """Rates of the terms, 1/s: of the modes that oscillate, and of the loads; shape ``(o + H,)``."""
+    swinging: FloatArray
+    """Moduli of `rates` where the amplitude bounds the term, else 0, 1/s, shape ``(o + H,)``."""
+    driven: FloatArray
+    """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
+    phase: FloatArray
+    """Phases of the harmonic loads, rad, shape ``(H,)``."""
+    forced: ComplexArray
+    """Complex amplitudes P of the modes under the harmonic loads, Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
+    places: FloatArray
+    """Modes at the places, kg^-1/2, shape ``(p, n)``."""
+    forced_places: ComplexArray
+    """Complex amplitudes of the places under the harmonic loads, m, shape ``(p, H)``."""
+    ringing: IndexArray
+    """Modes that are bounded by one amplitude."""
+    near: IndexArray
+    """Modes that are nearly critical."""
+    creeping: IndexArray
+    """Modes that are bounded by two amplitudes."""
+    slow: FloatArray
+    """The lower rate of each creeping mode, 1/s."""
+    fast: FloatArray
+    """The higher rate of each creeping mode, 1/s."""
+    shares: FloatArray
+    """Moduli of the factor of each bounded term in the motion of the places, shape ``(p, b)``."""
+    fading: FloatArray
+    """Rates at which the bounds fall, 1/s, shape ``(b,)``."""
+    place_of: IndexArray
+    """Which place each stop is at, shape ``(P,)``."""
+    orientation: FloatArray
+    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    offset: FloatArray
+    """m, shape ``(P,)``; see `Model.offset`."""
+    window: float
+    """Longest time that one closed form is searched for, s."""
+    spacing: float
+    """The usual time between knots, s; 0 without one."""
+    whole: ComplexArray
+    """exp(rate spacing) of each term, shape ``(o + H,)``."""
+    whole_areas: ComplexArray
+    """The integral of exp(rate s) over `spacing`, s, shape ``(o + H,)``."""
+
+
+def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, window: float) -> RampTables:
+    """The tables of a contact state with sampled forces; signs and gaps ``(P,)`` as in `Model`; `window` in s."""
+    assert system.ramps is not None
+    spacing = system.ramps.ramps.block_at(0.0).spacing
+    omega, H = system.omega, system.driven.size
+    rates, rigid = system.rates_of_terms[:-1].copy(), np.flatnonzero(omega == 0)
+    ringing, near, creeping = system.bounded
+    bounded = ringing.size + near.size + 2 * creeping.size + H  # without the last term, of constant forces
+    made = RampTables(
+        omega=omega,
+        damping_rate=system.damping_rate,
+        compliance=1 / np.where(omega > 0, omega, np.inf) ** 2,
+        constant=system.constant,
+        forces=system.ramps.shares,
+        which=system.which,
+        others=np.flatnonzero(~system.oscillating),
+        rigid=rigid,
+        rates=rates,
+        swinging=system.swinging[:-1].copy(),
+        driven=system.driven,
+        phase=system.phase,
+        forced=system.amplitudes,
+        places=system.places,
+        forced_places=system.place_amplitudes,
+        ringing=ringing,
+        near=near,
+        creeping=creeping,
+        slow=system.creeping_rates[0],
+        fast=system.creeping_rates[1],
+        shares=np.concatenate([system.bounded_shares[:, :bounded], np.abs(system.places[:, rigid])], axis=1),
+        fading=np.concatenate([system.fading[:bounded], np.zeros(rigid.size)]),
+        place_of=system.place_of,
+        orientation=orientation,
+        offset=offset,
+        window=window,
+        spacing=spacing,
+        whole=np.exp(rates * spacing),
+        whole_areas=np.expm1(rates * spacing) / rates,
+    )
+    return in_c_order(made)
 
 
 @by_reference
@@ -48,12 +161,12 @@ class Knots(NamedTuple):
 
 @by_reference
 class Interval(NamedTuple):
-    """The motion from a time on, of ``n`` modes and at ``p`` places; see `RampTables` for the other sizes."""
+    """The motion of ``n`` modes and ``p`` places while the forces stay linear; see `RampTables` for the other sizes."""
 
     begin: FloatArray
-    """Displacement under constant and linear forces at the start, but of rigid-body modes, kg^1/2 m, ``(n,)``."""
+    """Displacement of modes with stiffness under constant and linear forces at the start, kg^1/2 m, shape ``(n,)``."""
     rate: FloatArray
-    """How fast it changes, kg^1/2 m/s, shape ``(n,)``."""
+    """Rate of `begin`, kg^1/2 m/s, shape ``(n,)``."""
     free: FloatArray
     """Displacement and velocity of the free motion at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2, n)``."""
     body: FloatArray
@@ -65,40 +178,18 @@ class Interval(NamedTuple):
     line: FloatArray
     """Displacement, m, and velocity, m/s, of the places by `begin` and `rate`, shape ``(p, 2)``."""
     bounds: FloatArray
-    """On each bounded term and its first three derivatives over its share, shape ``(4, b)``."""
+    """Bounds on each bounded term and its first three derivatives over its share, shape ``(4, b)``."""
     rounding: FloatArray
-    """What rounding makes of the displacement of each place, m, shape ``(p,)``."""
+    """Rounding error of the displacement of each place, m, shape ``(p,)``."""
 
 
 def knots_of(ramps: Ramps) -> Knots:
-    """Forces that are linear between knots, as the compiled march takes them.
-
-    Parameters
-    ----------
-    ramps : Ramps
-        The forces.
-
-    Returns
-    -------
-    Knots
-        The same.
-    """
+    """Sampled forces as the compiled march takes them."""
     return in_c_order(Knots(ramps.time, ramps.force, ramps.slope))
 
 
 def new_interval(tables: RampTables) -> Interval:
-    """Room for an interval.
-
-    Parameters
-    ----------
-    tables : RampTables
-        The contact state.
-
-    Returns
-    -------
-    Interval
-        Its arrays, not filled.
-    """
+    """An interval with arrays that are not filled yet."""
     p, n = tables.places.shape
     m = tables.rates.size
     return Interval(
@@ -116,20 +207,7 @@ def new_interval(tables: RampTables) -> Interval:
 
 @njit_called()
 def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float, float]:
-    """exp(-drag s), and its integrals from 0 to s, once to four times.
-
-    Parameters
-    ----------
-    drag : float
-        1/s, 0 or more.
-    s : float
-        Time, s.
-
-    Returns
-    -------
-    tuple of float
-        Without unit, s, s^2, s^3 and s^4.
-    """
+    """exp(-drag s), with drag >= 0 in 1/s, and its integrals from 0 to s, once to four times: s, s^2, s^3 and s^4."""
     x = drag * s
     if abs(x) <= _SHORT:
         series, term = 0.0, 1.0
@@ -167,22 +245,9 @@ def _response(a: float, omega: float, s: float) -> tuple[float, float]:
 def begin_interval(
     tables: RampTables, knots: Knots, j: int, t: float, ahead: float, y: FloatArray, it: Interval
 ) -> None:
-    """Write the closed form of the motion from a time on.
+    """Write into `it` the closed form of the motion from time `t`, s, on, between knots j and j + 1.
 
-    Parameters
-    ----------
-    tables, knots : RampTables, Knots
-        The contact state, and the forces.
-    j : int
-        Between which knots: from this one to the next.
-    t : float
-        When it begins, s.
-    ahead : float
-        How long its bounds are to hold, s.
-    y : FloatArray, shape (2 n,)
-        (q, q') then, kg^1/2 m and kg^1/2 m/s.
-    it : Interval
-        Takes it.
+    `y` holds (q, q') at `t`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``; the bounds hold for `ahead` seconds.
     """
     n, count, H = tables.omega.size, tables.which.size, tables.driven.size
     for h in range(H):
@@ -267,7 +332,7 @@ def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
     for h in range(tables.driven.size):
         _powers(1.0, tables.driven[h], b + h, it.bounds)
     b += tables.driven.size
-    for k in range(tables.rigid.size):  # |p''| = |f exp(-2 a s) + g e1|, of which g is the most that s can make
+    for k in range(tables.rigid.size):  # |p''| = |f exp(-2 a s) + g e1|, and e1 <= s <= `ahead`
         drag, force, slope = 2 * tables.damping_rate[tables.rigid[k]], abs(it.body[0, k]), abs(it.body[1, k])
         it.bounds[0, b + k] = it.bounds[1, b + k] = np.inf
         it.bounds[2, b + k] = force + slope * ahead
@@ -276,7 +341,7 @@ def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
 
 @njit_inner()
 def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
-    """Write the bounds on a term and its derivatives, of which each has the rate of growth of the one before."""
+    """Write the bounds on a term and its first three derivatives into column `b`: each gains a factor `rate`."""
     for d in range(4):
         bounds[d, b] = amplitude
         amplitude *= rate
@@ -284,17 +349,7 @@ def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
 
 @njit_inner()
 def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
-    """Write exp(rate s) of each term.
-
-    Parameters
-    ----------
-    tables : RampTables
-        The contact state.
-    s : float
-        Time from the start, s.
-    waves : ComplexArray, shape (o + H,)
-        Takes them.
-    """
+    """Write exp(rate s) of each term into `waves`, shape ``(o + H,)``."""
     if s == tables.spacing:
         put(waves, tables.whole)
         return
@@ -326,18 +381,9 @@ def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[f
 
 @njit_inner()
 def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z: FloatArray) -> None:
-    """Write displacement, velocity and acceleration of the places.
+    """Write displacement, m, velocity, m/s, and acceleration, m/s2, of the places after `s` seconds: `z`, ``(p, 3)``.
 
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    s : float
-        Time from the start, s.
-    waves : ComplexArray, shape (o + H,)
-        Takes exp(rate s) of each term.
-    z : FloatArray, shape (p, 3)
-        m, m/s and m/s2; written.
+    `waves`, shape ``(o + H,)``, takes exp(rate s) of each term.
     """
     waves_of(tables, s, waves)
     for u in range(z.shape[0]):
@@ -360,22 +406,7 @@ def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z
 
 @njit_called()
 def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float, float]:
-    """Displacement and velocity of one place.
-
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    u : int
-        Which place.
-    s : float
-        Time from the start, s.
-
-    Returns
-    -------
-    float, float
-        m and m/s.
-    """
+    """Displacement, m, and velocity, m/s, of place `u` after `s` seconds."""
     x, v = at_place(it.at_places, tables.rates, u, s)
     x, v = x + it.line[u, 0] + it.line[u, 1] * s, v + it.line[u, 1]
     for i in tables.others:
@@ -386,20 +417,9 @@ def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float,
 
 @njit_inner()
 def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, order: int, q: FloatArray) -> None:
-    """Write a time derivative of the modal displacements.
+    """Write the time derivative of q of an order (0 to 2) after `s` seconds into `q`, kg^1/2 m over s^order, ``(n,)``.
 
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    s : float
-        Time from the start, s.
-    waves : ComplexArray, shape (o + H,)
-        exp(rate s) of each term.
-    order : int
-        Which derivative, 0 to 2.
-    q : FloatArray, shape (n,)
-        kg^1/2 m over s^order; written.
+    `waves`, shape ``(o + H,)``, holds exp(rate s) of each term.
     """
     count = tables.which.size
     for i in range(q.size):
@@ -419,19 +439,7 @@ def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, or
 
 @njit_inner()
 def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, y: FloatArray) -> None:
-    """Write the modal displacements and velocities.
-
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    s : float
-        Time from the start, s.
-    waves : ComplexArray, shape (o + H,)
-        exp(rate s) of each term.
-    y : FloatArray, shape (2 n,)
-        (q, q'), kg^1/2 m and kg^1/2 m/s; written.
-    """
+    """Write (q, q') after `s` seconds into `y`, kg^1/2 m and kg^1/2 m/s, ``(2 n,)``; `waves` as in `state_at`."""
     n = y.size // 2
     state_at(tables, it, s, waves, 0, y[:n])
     state_at(tables, it, s, waves, 1, y[n:])
@@ -439,20 +447,7 @@ def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, y: Flo
 
 @njit_called()
 def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
-    """The modal displacements and velocities after some time.
-
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    s : float
-        Time from the start, s.
-
-    Returns
-    -------
-    FloatArray, shape (2 n,)
-        (q, q'), kg^1/2 m and kg^1/2 m/s.
-    """
+    """(q, q') after `s` seconds, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     y, waves = zeros(2 * tables.omega.size), complex_zeros(tables.rates.shape)
     waves_of(tables, s, waves)
     move(tables, it, s, waves, y)
@@ -461,17 +456,7 @@ def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
 
 @njit_inner()
 def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> None:
-    """Add the time integrals of the displacements of the places from the start on.
-
-    Parameters
-    ----------
-    tables, it : RampTables, Interval
-        The contact state, and its motion.
-    s : float
-        Until when, s from the start.
-    areas : FloatArray, shape (p,)
-        m s; added to.
-    """
+    """Add the time integrals of the places' displacements over the first `s` seconds to `areas`, m s, ``(p,)``."""
     for u in range(areas.size):
         areas[u] += s * (it.line[u, 0] + it.line[u, 1] * (s / 2))
     usual = s == tables.spacing

@@ -12,22 +12,7 @@ from lapjoint.problem import FloatArray, Problem
 
 
 def section_point(model: Model, state: ContactState, y: FloatArray) -> SectionPoint:
-    """The section point of modal coordinates.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    state : ContactState
-        The contact state.
-    y : FloatArray, shape (2 n,)
-        (q, q') in its modes, kg^1/2 m and kg^1/2 m/s.
-
-    Returns
-    -------
-    SectionPoint
-        The point.
-    """
+    """The section point of (q, q') in the modes of a contact state, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     assembly = model.assembly
     coordinates = np.zeros((2, 2 * assembly.nodes.size))
     coordinates[:, assembly.free] = y.reshape(2, -1) @ model.system(state).vectors.T
@@ -35,24 +20,9 @@ def section_point(model: Model, state: ContactState, y: FloatArray) -> SectionPo
 
 
 def coordinates_of(model: Model, point: SectionPoint) -> FloatArray:
-    """(q, q') of a section point in the modes of its contact state.
+    """(q, q') of a section point on this mesh in the modes of its contact state, kg^1/2 m and kg^1/2 m/s, ``(2 n,)``.
 
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    point : SectionPoint
-        A section point on this mesh.
-
-    Returns
-    -------
-    FloatArray, shape (2 n,)
-        kg^1/2 m and kg^1/2 m/s.
-
-    Raises
-    ------
-    InputError
-        If it is no such section point, or of a joint with other stops.
+    A section point of another mesh, or of a joint with other stops, gives an InputError.
     """
     assembly = model.assembly
     if not np.array_equal(understood(model.problem, point), assembly.nodes):
@@ -62,25 +32,7 @@ def coordinates_of(model: Model, point: SectionPoint) -> FloatArray:
 
 
 def understood(problem: Problem, point: SectionPoint) -> FloatArray:
-    """The nodes of a section point, on any mesh, of a joint with the stops of a problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    point : SectionPoint
-        Any section point.
-
-    Returns
-    -------
-    FloatArray, shape (nodes,)
-        Positions, m.
-
-    Raises
-    ------
-    InputError
-        If it is no section point of such a joint on a mesh.
-    """
+    """The nodes of a section point on any mesh, m; an InputError if it is none, or if the problem lacks its stops."""
     coordinates, nodes = np.asarray(point.coordinates), point.nodes
     if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
         raise InputError("start: is no section point of a finite element solver")

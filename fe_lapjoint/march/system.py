@@ -9,7 +9,8 @@ mode of the state has its ratio; under viscous damping C = (C / m) M.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +20,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
+from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.ramps import RampBlocks
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -43,18 +45,7 @@ class ModalRamps:
     """Modal force for each unit of load, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
 
     def at(self, t: float) -> tuple[FloatArray, FloatArray]:
-        """The modal forces, and how fast they change, at a time; at a knot after it.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (n,)
-            kg^1/2 m/s2 and kg^1/2 m/s3.
-        """
+        """The modal forces at time `t`, kg^1/2 m/s2, and their rates, kg^1/2 m/s3, ``(n,)``; at a knot after it."""
         force, slope = self.ramps.at(np.array([t]))
         return self.shares @ force[0], self.shares @ slope[0]
 
@@ -75,13 +66,15 @@ class System:
     harmonic: FloatArray
     """Modal amplitudes of the harmonic loads, kg^1/2 m/s2, shape ``(n, H)``."""
     driven: FloatArray
-    """Their angular frequencies, rad/s, shape ``(H,)``."""
+    """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
     phase: FloatArray
-    """Their phases, rad, shape ``(H,)``."""
+    """Phases of the harmonic loads, rad, shape ``(H,)``."""
     stops: FloatArray
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
-    positions: FloatArray
-    """Where the stops are, m, shape ``(P,)``."""
+    places: FloatArray
+    """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
+    place_of: IndexArray
+    """Which of the `places` each stop is at, shape ``(P,)``."""
     ramps: ModalRamps | None = None
     """The sampled forces, if there are any."""
 
@@ -92,12 +85,12 @@ class System:
 
     @cached_property
     def all_oscillate(self) -> bool:
-        """Whether every mode does."""
+        """Whether every mode is damped below critical."""
         return bool(self.oscillating.all())
 
     @cached_property
     def which(self) -> IndexArray:
-        """Those modes, shape ``(oscillating,)``."""
+        """Indices of the oscillating modes, shape ``(oscillating,)``."""
         return np.flatnonzero(self.oscillating)
 
     @cached_property
@@ -130,30 +123,16 @@ class System:
         return np.asarray(self.harmonic / (omega**2 - w**2 + 2j * a * w))
 
     @cached_property
-    def _distinct(self) -> tuple[FloatArray, IndexArray]:
-        _, first, index = np.unique(self.positions, return_index=True, return_inverse=True)
-        return self.stops[first], np.asarray(index).ravel()
-
-    @property
-    def places(self) -> FloatArray:
-        """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
-        return self._distinct[0]
-
-    @cached_property
-    def place_of(self) -> IndexArray:
-        """Which of the `places` each stop is at, shape ``(P,)``."""
-        return self._distinct[1]
-
-    @cached_property
     def place_amplitudes(self) -> ComplexArray:
         """Complex amplitudes of the forced motion of the places, m, shape ``(p, H)``."""
         return np.asarray(self.places @ self.amplitudes)
 
     @cached_property
     def shares(self) -> ComplexArray:
-        """What each term is in the motion of the places, shape ``(p, terms)``.
+        """Factor of each term in the motion of the places, shape ``(p, terms)``.
 
-        Oscillating modes, kg^-1/2; loads, m, of unit amplitude and as a cosine; displacement by constant forces, m.
+        The terms are oscillating modes, kg^-1/2; loads, m, of unit amplitude and as a cosine; and the displacement by
+        constant forces, m.
         """
         modes = self.places if self.all_oscillate else self.places[:, self.oscillating]
         constant = (self.places @ self.equilibrium)[:, None]
@@ -161,7 +140,7 @@ class System:
 
     @cached_property
     def shares_and_moduli(self) -> tuple[ComplexArray, FloatArray]:
-        """The `shares`, and their moduli and then those of all modes at the places, shape ``(p, terms + n)``."""
+        """The `shares`, and their moduli followed by those of all modes at the places, shape ``(p, terms + n)``."""
         return self.shares, np.concatenate([np.abs(self.shares), np.abs(self.places)], axis=1)
 
     @cached_property
@@ -179,7 +158,7 @@ class System:
 
     @cached_property
     def plain(self) -> bool:
-        """Whether these terms are the whole motion: there are no overdamped and no rigid-body modes."""
+        """Whether the terms are the whole motion: there are no overdamped and no rigid-body modes."""
         return self.all_oscillate and self.drift is None
 
     @cached_property
@@ -212,21 +191,10 @@ class System:
         return rates, np.concatenate([np.flatnonzero(self.oscillating), others, others])
 
     def amplitudes_of(self, q: FloatArray, v: FloatArray) -> tuple[ComplexArray, FloatArray]:
-        """Free motions as sums of the `exponentials`, and what rigid-body modes without drag add to them at the stops.
+        """Amplitudes of the `exponentials` in ``m`` free motions, kg^1/2 m, ``(terms, m)``; and rigid-body motion.
 
-        Parameters
-        ----------
-        q : FloatArray, shape (n, m)
-            Modal displacements at the start of ``m`` motions, kg^1/2 m.
-        v : FloatArray, shape (n, m)
-            Modal velocities there, kg^1/2 m/s.
-
-        Returns
-        -------
-        ComplexArray, shape (terms, m)
-            Amplitudes of the exponentials, kg^1/2 m.
-        FloatArray, shape (P, 2, m)
-            Displacement, m, and speed, m/s, of the rigid-body modes without drag at the stops.
+        Given are displacements, kg^1/2 m, and velocities, kg^1/2 m/s, at the start, ``(n, m)``. The second array holds
+        displacement, m, and speed, m/s, of the rigid-body modes without drag at the stops, ``(P, 2, m)``.
         """
         rates, modes = self.exponentials
         which = self.oscillating
@@ -257,9 +225,10 @@ class System:
 
     @cached_property
     def bounded_shares(self) -> FloatArray:
-        """Moduli of the shares of what `Flow.envelope` bounds in the motion of the places, shape ``(p, bounds)``.
+        """Moduli of the factors of the terms that `Flow.envelope` bounds in the motion of the places, ``(p, bounds)``.
 
-        Modes that are bounded, creeping ones twice, kg^-1/2; loads, m; rigid-body modes under constant forces, m/s2.
+        The terms are bounded modes, creeping ones twice, kg^-1/2; loads, m; and rigid-body modes under constant forces,
+        m/s2.
         """
         ringing, near, creeping = self.bounded
         modes = np.abs(self.places[:, np.concatenate([ringing, near, creeping, creeping])])
@@ -268,7 +237,7 @@ class System:
 
     @cached_property
     def fading(self) -> FloatArray:
-        """Rates at which the bounds of `Flow.envelope` fall, 1/s: those modes, loads, and rigid-body modes."""
+        """Rates at which the bounds of `Flow.envelope` fall, 1/s: bounded modes, loads, and rigid-body modes."""
         ringing, near, _ = self.bounded
         a, omega = self.damping_rate[near], self.omega[near]
         least = a - np.sqrt(np.maximum(a**2 - omega**2, 0.0))
@@ -279,7 +248,7 @@ class System:
 
     @cached_property
     def all_ring(self) -> bool:
-        """Whether every mode does, far from critical, so that the terms of a place's motion bound it themselves."""
+        """Whether every mode rings, far from critical, so that the terms of a place's motion bound it themselves."""
         return self.plain and self.bounded[0].size == self.omega.size
 
     @cached_property
@@ -295,19 +264,10 @@ class System:
         return np.where(sure, np.abs(self.rates_of_terms), 0.0)
 
     def waves(self, s: float | FloatArray) -> FloatArray:
-        """exp(r s) of the rates r of `rates_of_terms`, conjugate, each as a pair of real numbers.
+        """Conjugates of exp(r s) for the rates r of `rates_of_terms`, as pairs of real numbers.
 
-        The scalar product with complex amplitudes, as pairs too, is the real part of their sum.
-
-        Parameters
-        ----------
-        s : float or FloatArray, shape (m,)
-            Times since the start, s.
-
-        Returns
-        -------
-        FloatArray, shape (2 terms,) or (m, 2 terms)
-            The exponentials.
+        The shape is ``(2 terms,)``, or ``(m, 2 terms)`` for ``m`` times, s. The scalar product with complex amplitudes,
+        as pairs too, is the real part of their sum.
         """
         return np.exp(np.multiply.outer(s, self._conjugate_rates)).view(float)
 
@@ -316,18 +276,7 @@ class System:
         return self.rates_of_terms.conj()
 
     def grid(self, step: float) -> FloatArray:
-        """The `waves` at t = 0, step, ... `SAMPLES` step; kept for next time.
-
-        Parameters
-        ----------
-        step : float
-            The spacing, s.
-
-        Returns
-        -------
-        FloatArray, shape (SAMPLES + 1, 2 terms)
-            The exponentials.
-        """
+        """The `waves` at t = 0, step, ... `SAMPLES` step, shape ``(SAMPLES + 1, 2 terms)``; kept for the next call."""
         if step not in self._grids:
             self._grids[step] = self.waves(step * np.arange(SAMPLES + 1.0))
         return self._grids[step]
@@ -337,20 +286,7 @@ class System:
         return {}
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:
-        """d(q, q')/dt, the right-hand side of the first-order equations of motion.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-        y : FloatArray, shape (2 n,)
-            (q, q'), kg^1/2 m and kg^1/2 m/s.
-
-        Returns
-        -------
-        FloatArray, shape (2 n,)
-            (q', q''), kg^1/2 m/s and kg^1/2 m/s2.
-        """
+        """d(q, q')/dt at time `t`, s, from `y` = (q, q'), ``(2 n,)``: the right side of the equations of motion."""
         q, v = y[: self.omega.size], y[self.omega.size :]
         force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
         if self.ramps is not None:
@@ -358,20 +294,7 @@ class System:
         return np.concatenate([v, force - 2 * self.damping_rate * v - self.omega**2 * q])
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
-        """Derivative of `rates` by y, which is constant.
-
-        Parameters
-        ----------
-        t : float
-            Not used.
-        y : FloatArray, shape (2 n,)
-            Not used.
-
-        Returns
-        -------
-        FloatArray, shape (2 n, 2 n)
-            d(q', q'') / d(q, q').
-        """
+        """Derivative of `rates` by y, shape ``(2 n, 2 n)``; constant, with the arguments that `solve_ivp` gives."""
         n = self.omega.size
         return np.block(
             [
@@ -382,29 +305,18 @@ class System:
 
 
 def build_system(assembly: Assembly, state: ContactState) -> System:
-    """The modal form of a contact state on a mesh.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    state : ContactState
-        The stops that are closed.
-
-    Returns
-    -------
-    System
-        Its modes and loads.
-    """
+    """The modal form of a contact state on a mesh."""
     problem, loads = assembly.problem, assembly.problem.forces.harmonic
     omega, vectors = eigenmodes(assembly, state)
-    harmonic, driven = harmonic_loads(assembly, vectors)
+    harmonic, driven = _harmonic_loads(assembly, vectors, loads)
     damping_rate = _damping_rates(assembly, omega)
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
+    stops = assembly.stop_rows @ vectors
+    _, first, place_of = np.unique(assembly.stop_places, return_index=True, return_inverse=True)
     for step in problem.forces.constant:
         f0 += step.force * assembly.reading(step.x)
     return System(
@@ -416,38 +328,35 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         harmonic=harmonic,
         driven=driven,
         phase=np.array([load.phase for load in loads]),
-        stops=assembly.stop_rows @ vectors,
-        positions=assembly.stop_places,
+        stops=stops,
+        places=stops[first],
+        place_of=place_of.ravel(),
         ramps=_modal_ramps(assembly, vectors),
     )
 
 
-def harmonic_loads(assembly: Assembly, vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The ``H`` harmonic loads of a problem on modes.
+def under_other_loads(alike: System, assembly: Assembly, loads: Sequence[HarmonicForce]) -> System:
+    """A contact state under harmonic loads that differ from those of `alike` by size or frequency alone."""
+    harmonic, driven = _harmonic_loads(assembly, alike.vectors, loads)
+    omega = alike.omega
+    if (alike.damping_rate < DETUNE * omega).any():
+        omega = _away_from_resonance(eigenmodes(assembly, alike.state)[0], alike.damping_rate, driven.tolist())
+    return replace(alike, omega=omega, harmonic=harmonic, driven=driven)
 
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    vectors : FloatArray, shape (n, n)
-        The modes as columns, kg^-1/2.
 
-    Returns
-    -------
-    FloatArray, shape (n, H)
-        Modal amplitudes, kg^1/2 m/s2.
-    FloatArray, shape (H,)
-        Angular frequencies, rad/s.
-    """
-    loads, n = assembly.problem.forces.harmonic, vectors.shape[0]
-    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(len(loads), n).T
+def _harmonic_loads(
+    assembly: Assembly, vectors: FloatArray, loads: Sequence[HarmonicForce]
+) -> tuple[FloatArray, FloatArray]:
+    """Modal amplitudes, kg^1/2 m/s2, ``(n, H)``, and angular frequencies, rad/s, ``(H,)``, of harmonic loads."""
+    shape = len(loads), vectors.shape[0]
+    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(shape).T
     return vectors.T @ forces, np.array([load.angular_frequency for load in loads])
 
 
 def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: list[float]) -> FloatArray:
-    """Natural frequencies, rad/s, shape ``(n,)``, of which undamped ones that a load meets are moved above it.
+    """Natural frequencies, rad/s, ``(n,)``; an undamped one that a load meets is moved above the load's frequency.
 
-    Free and forced motion take the same frequency, so that their difference grows as it does at resonance.
+    Free and forced motion take the moved frequency, so that their difference grows as it does at resonance.
     """
     for w in sorted(driven):
         least = DETUNE * omega

@@ -7,8 +7,8 @@ vanishes and f- and f+ are the rates before and after,
 
 with S the constant, lossless map between the modes of the two states.
 
-The fast modes of a mesh die out, so that all deviations come to be combinations of a few: D = E R, with as many
-columns of E as of D are independent.  Only what becomes of E is carried on.
+The fast modes of a mesh die out, so that all deviations come to be combinations of a few: D = E R, where E has as many
+columns as D has independent ones.  Only E is carried on.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from lapjoint.problem import FloatArray
 DEAD = 40.0
 """Decay time constants after which a mode has died out: exp(-40) is below the rounding of all else."""
 _ALIVE = 0.75
-"""Share of the columns that are carried, up to which units of the coordinates that are not zero are carried instead."""
+"""Largest number of nonzero coordinates, as a fraction of the carried columns, for which units replace columns."""
 _FEW = 0.5
-"""The same of the modes that are left since the start, for combinations that do not depend on each other."""
+"""Largest number of coordinates left since the start, as a fraction of the columns, for which these are reduced."""
 _DEPENDENT = 1e-17
-"""What a column adds to those before, over the largest, up to which it depends on them: it rounds by 1e-16."""
+"""Largest addition of a dependent column to those before it, over the largest addition; it rounds by 1e-16."""
 
 
 @dataclass(frozen=True)
@@ -50,31 +50,30 @@ class Carried:
 
     @cached_property
     def combinations(self) -> tuple[FloatArray, FloatArray | None]:
-        """The same at the end, in the modes of the last state.
+        """Columns ``(2 n, r)`` at the end of the march, and the combinations ``(r, m)`` that give the deviations.
 
-        Columns, ``(2 n, r)``, that are combined to all deviations, and the combinations, ``(r, m)``; None where each
-        deviation is a column.
+        The combinations are None where each deviation is a column.  The columns are in the modes of the last state.
         """
         return self._steps[-1].columns, self._steps[-1].rest
 
     @property
     def end(self) -> FloatArray:
-        """The same, shape ``(2 n, m)``."""
+        """The deviations at the end of the march, shape ``(2 n, m)``."""
         columns, rest = self.combinations
         return columns if rest is None else columns @ rest
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """The march as the sums of exponentials that its pieces are, and all deviations from it.
+        """The march as sums of exponentials with all deviations from it, a segment for each window.
 
-        From window to window; a window ends at a switch at the latest.
+        A window ends at a switch at the latest.
         """
         steps = zip(self.motion.pieces, self._steps[:-1], strict=True)
         return tuple(_segment(self.model, piece, here) for piece, here in steps)
 
     @cached_property
     def _steps(self) -> tuple[_Deviations, ...]:
-        """The deviations at the start of each piece, and those at the end of the last, after its switch."""
+        """The deviations at the start of each piece, followed by the deviations after the last piece and its switch."""
         start = since = self.motion.pieces[0].start
         slow = 2 * math.pi / (self.motion.pieces[-1].end - start)
         q, v = (np.linalg.norm(part, axis=0) for part in np.split(self.deviations, 2))
@@ -105,21 +104,21 @@ class _Deviations:
     columns: FloatArray
     """(dq, dq'), kg^1/2 m and kg^1/2 m/s, shape ``(2 n, r)``."""
     sizes: FloatArray
-    """Size of what each of these came from, shape ``(r,)``."""
+    """Size of the motion that each column came from, shape ``(r,)``."""
     rest: FloatArray | None = None
     """The combinations as columns, shape ``(r, m)``; None where each is a column."""
 
     def of_alive(self, alive: IndexArray) -> _Deviations:
-        """The same as combinations of units of the coordinates that are not zero."""
+        """The deviations as combinations of units of the coordinates that are not zero."""
         units = np.zeros((self.columns.shape[0], alive.size))
         units[alive, np.arange(alive.size)] = 1.0
         own = self.columns[alive]
         return _Deviations(units, np.ones(alive.size), own if self.rest is None else own @ self.rest)
 
     def of_independent(self, system: System, slow: float) -> _Deviations:
-        """The same as combinations of columns that do not depend on each other, by a factorisation with pivots.
+        """The deviations as combinations of independent columns, by a factorisation with pivots.
 
-        What they add is compared by energy, so that the displacements of all modes count alike; `slow` is the lowest
+        The columns are compared by energy, so that the displacements of all modes count alike; `slow` is the lowest
         frequency, rad/s, at which a rigid-body motion counts.
         """
         weights = np.concatenate([np.maximum(system.omega, slow), np.ones(system.omega.size)])
@@ -135,7 +134,7 @@ class _Deviations:
 
 
 def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
-    """A piece as a sum of exponentials, and deviations at its start as sums of the same."""
+    """A piece as a sum of exponentials, and the deviations at its start as sums of these exponentials."""
     assert piece.flow is not None
     system, flow = model.system(piece.state), piece.flow
     q, v = np.split(here.columns, 2)
@@ -175,22 +174,7 @@ def _flow(system: System, s: float, deviations: FloatArray, count: int) -> Float
 
 
 def responses(system: System, s: float, count: int) -> tuple[FloatArray, FloatArray]:
-    """Displacements some time after a unit displacement, and after a unit velocity, of the lowest modes.
-
-    Parameters
-    ----------
-    system : System
-        The contact state.
-    s : float
-        The time, s, of either sign.
-    count : int
-        How many modes.
-
-    Returns
-    -------
-    FloatArray, FloatArray, each of shape (count, 1)
-        As `free_response` has them.
-    """
+    """C and S of `free_response` after `s` seconds of either sign, for the `count` lowest modes, ``(count, 1)``."""
     a = system.damping_rate[:count, None]
     if not system.all_oscillate:
         return free_response(system.damping_rate[:count], system.omega[:count], np.array([s]))
@@ -202,7 +186,7 @@ def responses(system: System, s: float, count: int) -> tuple[FloatArray, FloatAr
 def _jump(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, count: int) -> FloatArray:
     """Columns ``(2 n, r)`` after the switch that ends a piece; ``after`` is (q, q') in the next state's modes.
 
-    Those before it have the first `count` modes alone.
+    The columns before the switch hold the first `count` modes alone.
     """
     state, k, n = piece.state, piece.switched, after.size // 2
     old, new = model.system(state), model.system(state.toggled(k))

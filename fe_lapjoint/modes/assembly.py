@@ -119,50 +119,18 @@ class Assembly:
         return np.array([i for i in range(2 * self.nodes.size) if i not in fixed], dtype=int)
 
     def node(self, x: float) -> int:
-        """Index of the node nearest to a position.
-
-        Parameters
-        ----------
-        x : float
-            The position, m.
-
-        Returns
-        -------
-        int
-            Its index.
-        """
+        """Index of the node nearest to a position, m."""
         return int(np.argmin(np.abs(self.nodes - x)))
 
     def place(self, x: float) -> float:
-        """A position, or that of the node which only rounding parts from it.
-
-        Parameters
-        ----------
-        x : float
-            The position, m.
-
-        Returns
-        -------
-        float
-            The place, m.
-        """
+        """A position, m, or the position of the node that only rounding parts from it."""
         near = float(self.nodes[self.node(x)])
         return near if abs(near - x) <= SAME * self.problem.beam.length else x
 
     def reading(self, x: float, derivative: int = 0) -> FloatArray:
-        """The row that reads z or L z_x at a position; also the load vector of a unit force there, or couple over L.
+        """The row, ``(n,)``, that reads z (`derivative` 0) or L z_x (1) at a position; 0 and 1 alone at a node.
 
-        Parameters
-        ----------
-        x : float
-            The position, m.
-        derivative : int
-            0 for z, 1 for L z_x.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            Without unit; at a node it is 1 for one degree of freedom, 0 for the others.
+        The row is also the load vector of a unit force there, or of a unit couple over L.
         """
         row = self.shapes(np.array([self.place(x)]), derivative)[0]
         return np.asarray(row * self.problem.beam.length**derivative)
@@ -179,19 +147,9 @@ class Assembly:
         return np.array(rows).reshape(len(rows), self.free.size)
 
     def springs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
-        """Finite supports and closed stops, one row each: their energy is half of ``k @ (rows @ u)**2``.
+        """Finite supports and closed stops as rows, ``(s, n)``, that read z or L z_x, and stiffnesses, N/m, ``(s,)``.
 
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        rows : FloatArray, shape (s, n)
-            What each spring feels, z or L z_x, without unit.
-        k : FloatArray, shape (s,)
-            Stiffnesses, N/m; of torsional springs over L^2.
+        Their energy is half of ``k @ (rows @ u)**2``.  Stiffnesses of torsional springs are over L^2.
         """
         L, found = self.problem.beam.length, []
         for support in self.problem.supports:
@@ -204,18 +162,7 @@ class Assembly:
         return rows, np.array([k for _, k in found], dtype=float)
 
     def stiffness(self, state: ContactState) -> FloatArray:
-        """Stiffness with the finite supports and the closed stops as springs.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        FloatArray, shape (n, n)
-            N/m.
-        """
+        """Stiffness with the finite supports and the closed stops as springs, N/m, shape ``(n, n)``."""
         rows, k = self.springs(state)
         return np.asarray(self._matrices[0][np.ix_(self.free, self.free)] + rows.T @ (k[:, None] * rows))
 
@@ -233,18 +180,7 @@ class Assembly:
         return np.asarray(np.linalg.solve(factor, motions.T).T)
 
     def rigid_modes(self, state: ContactState) -> int:
-        """Number of rigid-body modes that supports and closed stops leave.
-
-        Parameters
-        ----------
-        state : ContactState
-            The stops that are closed.
-
-        Returns
-        -------
-        int
-            0, 1 or 2.
-        """
+        """Number of rigid-body modes, 0 to 2, that supports and closed stops leave."""
         L, supports = self.problem.beam.length, self.problem.supports
         rows = [(1.0, s.x / L) for s in supports if s.translational > 0]
         rows += [(0.0, 1.0) for s in supports if s.torsional > 0]
@@ -252,22 +188,10 @@ class Assembly:
         return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
 
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
-        """Rows that give z or an x-derivative of z from the free degrees of freedom.
+        """Rows ``(k, n)``, 1/m^derivative, that give z or an x-derivative (0 to 3) at positions ``(k,)``, m.
 
         The second derivative is linear, the third constant in an element; at a node they belong to the element to the
         left.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (k,)
-            Positions, m.
-        derivative : int
-            Which x-derivative, 0 to 3.
-
-        Returns
-        -------
-        FloatArray, shape (k, n)
-            1/m to the power `derivative`.
         """
         e = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         h = np.diff(self.nodes)[e]

@@ -12,7 +12,7 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
 
 _SOFT = 0.1
-"""Of EI / m L^4: where springs hold a rigid-body motion with an omega^2 below this, it is a soft mode."""
+"""Largest omega^2 of a soft mode, in units of EI / m L^4: a rigid-body motion that springs hold."""
 _APART, _MIXED = 1e-6, 1e-3
 """Least relative distance of two omega^2, and largest share of one mode in another, for which first order is enough."""
 _ROUNDS = 4
@@ -20,61 +20,22 @@ _ROUNDS = 4
 
 
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
-    """All ``n`` frequencies and modes of the mesh in a contact state.
+    """All angular frequencies, rad/s, ascending, ``(n,)``, and mass-normalised modes, kg^-1/2, as columns, ``(n, n)``.
 
-    They depend on the beam, its springs and the mesh alone, and are kept: other gaps, dampings and excitations, and
-    the states that mirror each other, share one solution, to the signs of its vectors.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    state : ContactState
-        The stops that are closed.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        Angular frequencies, rad/s, ascending, 0 for rigid-body modes; not to be written to.
-    FloatArray, shape (n, n)
-        Mass-normalised vectors over the free degrees of freedom as columns, kg^-1/2; not to be written to.
+    Rigid-body modes have frequency 0.  Both arrays are read-only.  They depend on the beam, its springs and the mesh
+    alone, and are kept: problems with other gaps, damping or excitation share one solution, and so do states that
+    mirror each other, but for the signs of their vectors.
     """
     return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
 
 
 def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
-    """M Phi of a contact state, kept as the modes are.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    state : ContactState
-        The stops that are closed.
-
-    Returns
-    -------
-    FloatArray, shape (n, n)
-        kg^1/2; one column for each mode; not to be written to.
-    """
+    """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; kept like the modes."""
     return _weighted(*_mesh(assembly), _springs(assembly, state))
 
 
 def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
-    """The orthogonal matrix Phi_new^T M Phi_old, kept as the modes are.
-
-    Parameters
-    ----------
-    assembly : Assembly
-        The problem on a mesh.
-    old, new : ContactState
-        From which state to which.
-
-    Returns
-    -------
-    FloatArray, shape (n, n)
-        Without unit; not to be written to.
-    """
+    """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; kept like the modes."""
     return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
 
 
@@ -144,11 +105,11 @@ def _eigenmodes(
 
 
 def _turned(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray, r: int) -> FloatArray:
-    """Modes with what rounding of the stiffness has mixed into each of the others taken out, but for `r` soft ones.
+    """Modes without the part of other modes that rounding of the stiffness has mixed in; the `r` soft modes stay.
 
-    Curvatures lose digits as h^-2 where the stiffness loses them as h^-4: with 464 elements of a cantilever the first
-    mode has 1e-7 of others in it before, and 1e-11 after.  With g_i the curvatures and forces of springs of mode i, it
-    holds (g_i . g_j) / (omega_i^2 - omega_j^2) of mode j, to first order.
+    Curvatures lose digits as h^-2 where the stiffness loses them as h^-4: with 464 elements of a cantilever, others
+    make up 1e-7 of the first mode before, and 1e-11 after.  With g_i the curvatures and spring forces of mode i, the
+    mixed part of mode j is (g_i . g_j) / (omega_i^2 - omega_j^2), to first order.
     """
     g = np.vstack([assembly.curvature @ vectors, np.sqrt(k)[:, None] * (rows @ vectors)])
     products = g.T @ g

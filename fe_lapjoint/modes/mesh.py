@@ -1,11 +1,11 @@
 """The mesh: a node at every support, stop and point load, elements of nearly equal length between.
 
-An element of length d has modes near 92 sqrt(EI / m) / d^2: a very short one would cost the low modes their digits,
-and the march its speed.  So positions that only rounding parts are one, and a spring, stop or load nearer to a node
-than `CLOSE` gets none of its own: it acts inside an element, by the element's cubics.  These cannot follow what a force
-does within that distance.  A force F at a distance d from the node bends the beam by F d^3 / 3 EI less than it should,
-3e-13 L^3 / EI at most.  A spring that stiffens a length d too much stiffens the beam by up to k d^4 / EI L, or
-kt d^2 / EI L where it holds a slope; where that could be seen, and for fixed supports, the position is refused.
+An element of length d has modes near 92 sqrt(EI / m) / d^2: a very short one would cost the low modes their digits, and
+the march its speed.  Therefore positions that only rounding parts are one, and a spring, stop or load nearer to a node
+than `CLOSE` gets no node of its own: it acts inside an element, by the element's cubics, which do not bend within that
+distance of a force as the beam does.  A force F at a distance d from the node bends the beam by F d^3 / 3 EI less than
+it should, 3e-13 L^3 / EI at most.  A spring at a distance d stiffens the beam by up to k d^4 / EI L, or kt d^2 / EI L
+where it holds a slope.  The position is refused where this could be seen, and for fixed supports.
 """
 
 from __future__ import annotations
@@ -19,40 +19,29 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem, Support
 
 SAME = 1e-12
-"""Of the length: positions nearer than this are one; a few thousand rounding errors, more than any sum gathers."""
+"""Largest distance of positions that are one, in beam lengths: a few thousand rounding errors, more than a sum gathers.
+"""
 CLOSE = 1e-4
-"""Of the length: the shortest element.  Its modes are 1e4 times as fast as those of the default mesh.  The frequencies
-of the beam still have nine digits then; at 1e-5 they had six."""
+"""Shortest element, in beam lengths.
+
+Its modes are 1e4 times as fast as those of the default mesh.  The frequencies of the beam still have nine digits then;
+at 1e-5 they had six.
+"""
 _LOCKED = 1e-7
-"""Of the stiffness of the beam: what a spring inside an element may add by mistake, less than 40 elements do."""
+"""Most stiffness that a spring inside an element may add by mistake, over the beam's: less than 40 elements add."""
 
 SHORT = 1e-3
-"""Of the length of the beam: in a shorter stretch between two nodes that must be, the error, of the fourth power of the
-length of the elements, does not count."""
+"""Length of a stretch, in beam lengths, up to which refinement is not due: its error, of fourth order, does not count.
+"""
 
 
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
-    """Node positions of a mesh, ascending from 0 to L.
+    """Node positions of a mesh, m, ascending from 0 to L, about `elements` elements over the whole beam.
 
-    Parameters
-    ----------
-    problem : Problem
-        Its supports, stops and point loads each get a node, unless there is one nearer than `CLOSE`.
-    elements : int
-        About how many elements the whole beam gets; every stretch between required nodes gets at least one.
-    given : tuple of float or None
-        Nodes of a graded mesh, m; required nodes that are missing are added.
-
-    Returns
-    -------
-    FloatArray, shape (nodes,)
-        m.
-
-    Raises
-    ------
-    InputError
-        If a given node lies outside the beam, or two of them nearer than `CLOSE`; if a fixed support or a very stiff
-        spring lies nearer than that to another part or to an end, but not at the same place.
+    Supports, stops and point loads each get a node, unless there is one nearer than `CLOSE`.  Between two of these
+    nodes there is at least one element.  If nodes are given, the required ones are added to them.  An InputError comes
+    if a given node lies outside the beam, if two of them are nearer than `CLOSE`, or if a fixed support or a very stiff
+    spring is nearer than that to another part or to an end, but not at one place with it.
     """
     L = problem.beam.length
     required = _required(problem)
@@ -90,7 +79,7 @@ def _required(problem: Problem) -> FloatArray:
 
 
 def _with_given(required: FloatArray, given: tuple[float, ...], L: float) -> FloatArray:
-    """Nodes of the user's own with those that are required; of two nearer than `CLOSE` the required one stays."""
+    """The user's nodes together with the required ones; of two nearer than `CLOSE` the required one stays."""
     outside = [x for x in given if not -SAME * L <= x <= (1 + SAME) * L]
     if outside:
         raise InputError(f"nodes: {outside[0]!r} lies outside the beam, 0 to {L:g} m")
@@ -105,41 +94,17 @@ def _with_given(required: FloatArray, given: tuple[float, ...], L: float) -> Flo
 
 
 def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
-    """The nodes with every element between two of them cut into equal parts.
-
-    Parameters
-    ----------
-    nodes : tuple of float
-        Node positions, m, in any order.
-    parts : int
-        Into how many parts.
-
-    Returns
-    -------
-    tuple of float
-        Node positions, m, ascending.
-    """
+    """The nodes, m, ascending, with every element cut into equal parts."""
     ends = sorted(set(nodes))
     cut = [np.linspace(a, b, parts + 1)[:-1].tolist() for a, b in itertools.pairwise(ends)]
     return tuple(itertools.chain(*cut, ends[-1:]))
 
 
 def refined_nodes(problem: Problem, nodes: FloatArray, ratio: float) -> FloatArray:
-    """The nodes of a finer mesh of the same grading.
+    """Nodes of a finer mesh with the grading of `nodes`, m, ascending; the ends of stretches stay.
 
-    Parameters
-    ----------
-    problem : Problem
-        Its supports, stops and point loads cut the beam into stretches.
-    nodes : FloatArray, shape (nodes,)
-        Nodes of a mesh of the problem, m, ascending.
-    ratio : float
-        How many times as many elements each stretch gets at least, unless it is shorter than `SHORT`.
-
-    Returns
-    -------
-    FloatArray, shape (finer nodes,)
-        m, ascending; the nodes at the ends of the stretches stay where they are.
+    Supports, stops and point loads cut the beam into stretches.  Each has at least `ratio` times as many elements as
+    before, unless it is shorter than `SHORT`.
     """
     parts = (*problem.supports, *problem.stops, *problem.point_loads)
     at = {int(np.abs(nodes - part.x).argmin()) for part in parts}

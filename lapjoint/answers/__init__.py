@@ -1,8 +1,8 @@
-"""What an answer is: contact states, modes, motions with their contacts, and steady states, whichever solver gave them.
+"""Answers of either solver: contact states, modes, motions with their contacts, and steady states.
 
-Only types live here, time series of them, and how contacts and series are written to files.  How displacement is
-evaluated, where events lie and what an impulse comes to is each solver's own work, so that a shared mistake cannot hide
-from the comparison.
+This room holds the types of answers, time series of motions, and the writing of contacts and series to files.  How
+displacements, events and impulses are found is each solver's own work, so that a shared mistake cannot hide from the
+comparison of the solvers.
 """
 
 from lapjoint.answers.contact_state import FREE, ContactState, contact_states, paper_state_number

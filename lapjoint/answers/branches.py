@@ -1,4 +1,4 @@
-"""What a bifurcation of a branch of periodic motions is called."""
+"""Names of the bifurcations of branches of periodic motions."""
 
 from __future__ import annotations
 

@@ -34,24 +34,10 @@ CONTACT_COLUMNS = (
 def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
-    The columns are `CONTACT_COLUMNS`; times in s, impulses in N s (top positive), forces in N.  Errors are empty where
-    none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet would
-    take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and last
-    time, the total impulse of each stop, and how errors were estimated.
-
-    Parameters
-    ----------
-    history : History
-        The motion whose contacts are written.
-    path : path
-        The file, ``.csv`` or ``.json``.
-
-    Raises
-    ------
-    InputError
-        If the ending is another one.
-    OutputError
-        If no file can be written there, or the disk is full.
+    The columns are `CONTACT_COLUMNS`; times are in s, impulses in N s (top positive), forces in N.  Errors are empty
+    where none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet
+    would take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and
+    last time, the total impulse of each stop, and how errors were estimated.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":
@@ -80,39 +66,22 @@ def write_contacts(history: History, path: str | Path) -> None:
 
 
 def contact_rows(history: History) -> list[dict[str, Any]]:
-    """The contacts of a history as rows of a table.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    list of dict
-        One row a contact, by start time, with the keys `CONTACT_COLUMNS`; units are in the keys.
-    """
+    """The contacts of a history as rows with the keys `CONTACT_COLUMNS`, by start time; units are in the keys."""
     stops, names = history.problem.stops, history.problem.stop_names
     return [
-        dict(
-            zip(
-                CONTACT_COLUMNS,
-                (
-                    names[c.stop],
-                    stops[c.stop].side,
-                    float(c.start),
-                    float(c.end),
-                    float(c.duration),
-                    float(c.impulse),
-                    float(c.peak_force),
-                    c.open_start,
-                    c.open_end,
-                    c.start_error,
-                    c.impulse_error,
-                    c.peak_force_error,
-                ),
-                strict=True,
-            )
-        )
+        {
+            "stop": names[c.stop],
+            "side": stops[c.stop].side,
+            "start_s": float(c.start),
+            "end_s": float(c.end),
+            "duration_s": float(c.duration),
+            "impulse_Ns": float(c.impulse),
+            "peak_force_N": float(c.peak_force),
+            "open_start": c.open_start,
+            "open_end": c.open_end,
+            "start_error_s": c.start_error,
+            "impulse_error_Ns": c.impulse_error,
+            "peak_force_error_N": c.peak_force_error,
+        }
         for c in history.contacts
     ]

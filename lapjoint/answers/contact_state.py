@@ -55,7 +55,7 @@ class ContactState:
 
 FREE = ContactState()
 MOST_STATES = 4096
-"""More contact states than this are not listed: twelve stops at different positions have so many."""
+"""Largest number of contact states that are listed: the number that twelve stops at different positions have."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
@@ -98,15 +98,7 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
 
 
 def can_be_closed(problem: Problem, state: ContactState) -> bool:
-    """Whether the stops of a state can be closed while all others are open; `contact_states` lists such states.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose stops these are.
-    state : ContactState
-        Any stops of the problem.
-    """
+    """Whether the stops of a state can be closed while all others are open; `contact_states` lists such states."""
     reached: dict[tuple[float, str], float] = {}
     for i in state.closed:
         stop = problem.stops[i]
@@ -132,13 +124,7 @@ _PAPER_STATES = {
 
 
 def is_paper_joint(problem: Problem) -> bool:
-    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem; the gaps and stiffnesses of its stops do not matter.
-    """
+    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip."""
     L = problem.beam.length
     places = sorted((stop.x, stop.side) for stop in problem.stops)
     return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
@@ -173,37 +159,11 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
 
 
 def state_label(problem: Problem, state: ContactState) -> str:
-    """The name of a state, after the paper's number where it has one.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose stops these are.
-    state : ContactState
-        The closed stops.
-
-    Returns
-    -------
-    str
-        As ``6  P2 + P3``, or ``P2 + P3`` where states have no number.
-    """
+    """The name of a state, after the paper's number where the state has one: ``6 P2 + P3``."""
     number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
     return number + state.name(problem)
 
 
 def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """What to sort states by: the paper's number where there is one, else fewest closed stops first.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose stops these are.
-    state : ContactState
-        The closed stops.
-
-    Returns
-    -------
-    tuple of int and tuple of int
-        The paper's number or the number of closed stops, and the indices of the closed stops.
-    """
+    """A key to sort states: the paper's number or the number of closed stops; then the indices of the closed stops."""
     return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

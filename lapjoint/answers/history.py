@@ -8,10 +8,11 @@ from typing import Protocol
 import numpy as np
 
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
 
 NO_ERRORS = "no errors were estimated"
-"""Said where nothing asked for errors."""
+"""The `History.error_source` of a motion whose errors nobody asked for."""
 
 
 @dataclass(frozen=True)
@@ -35,11 +36,9 @@ class Contact:
     start_error: float | None = None
     """Estimate of the numerical error of `start`, s; infinite where none can be stated, None where none was made."""
     impulse_error: float | None = None
-    """Estimate of the numerical error of `impulse`, N s; infinite where none can be stated, None where none was
-    made."""
+    """Estimate of the numerical error of `impulse`, N s; infinite or None as `start_error`."""
     peak_force_error: float | None = None
-    """Estimate of the numerical error of `peak_force`, N; infinite where none can be stated, None where none was
-    made."""
+    """Estimate of the numerical error of `peak_force`, N; infinite or None as `start_error`."""
 
     @property
     def duration(self) -> float:
@@ -75,7 +74,7 @@ class Field(Protocol):
 
 
 @dataclass(frozen=True)
-class History:
+class History(Shown):
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
 
     problem: Problem
@@ -98,60 +97,16 @@ class History:
     highest_mode: float | None = None
     """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
 
-    def _repr_html_(self) -> str:
-        from lapjoint.figures.notebook import html_of_history
-
-        return html_of_history(self)
-
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z(x, t), the displacement relative to the base.
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            z, m, positive upwards; n = 1 or m = 1 for a single number.
-        """
+        """z(x, t), the displacement relative to the base, m, positive upwards.  See `History.evaluate`."""
         return self.evaluate(x, t)
 
     def velocity(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z_t(x, t), the velocity relative to the base.
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            z_t, m/s; n = 1 or m = 1 for a single number.
-        """
+        """z_t(x, t), the velocity relative to the base, m/s.  See `History.evaluate`."""
         return self.evaluate(x, t, dt=1)
 
     def acceleration(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z_tt(x, t), the acceleration relative to the base.
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            z_tt, m/s2; n = 1 or m = 1 for a single number.
-        """
+        """z_tt(x, t), the acceleration relative to the base, m/s2.  See `History.evaluate`."""
         return self.evaluate(x, t, dt=2)
 
     def base(self, t: FloatArray | float, dt: int = 0) -> FloatArray:
@@ -174,77 +129,24 @@ class History:
         return np.zeros(t_.size) if motion is None else motion.at(t_, dt)
 
     def slope(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """z_x(x, t), the slope.
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            z_x, rad; n = 1 or m = 1 for a single number.
-        """
+        """z_x(x, t), the slope, rad.  See `History.evaluate`."""
         return self.evaluate(x, t, dx=1)
 
     def moment(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """EI z_xx, the bending moment (14a).
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            EI z_xx, N m; n = 1 or m = 1 for a single number.
-        """
+        """EI z_xx, the bending moment (14a), N m.  See `History.evaluate`."""
         return self.problem.beam.EI * self.evaluate(x, t, dx=2)
 
     def bending_stress(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """-E c z_xx, the bending stress at the top of the section, c above its axis; at its bottom it is the opposite.
+        """-E c z_xx, the bending stress at the top of the section, Pa, tension positive.  See `History.evaluate`.
 
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            Pa, tension positive; n = 1 or m = 1 for a single number.
-
-        Raises
-        ------
-        InputError
-            If the beam has no section.
+        The top lies c above the axis; the stress at the bottom is the opposite.  A beam without a section is an
+        `InputError`.
         """
         material, section = self.problem.beam.require_section("stress")
         return -material.youngs_modulus * section.depth / 2 * self.evaluate(x, t, dx=2)
 
     def shear(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
-        """EI z_xxx, the shear force (14b).
-
-        Parameters
-        ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : float or FloatArray, shape (m,)
-            Times, s, within the history, in any order.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            EI z_xxx, N; n = 1 or m = 1 for a single number.
-        """
+        """EI z_xxx, the shear force (14b), N.  See `History.evaluate`."""
         return self.problem.beam.EI * self.evaluate(x, t, dx=3)
 
     def evaluate(self, x: FloatArray | float, t: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:

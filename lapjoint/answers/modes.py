@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray
 
 
@@ -32,7 +33,7 @@ class ModeShapes(Protocol):
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Shown):
     """Natural frequencies and mass-normalised mode shapes (16)-(17) of one contact state."""
 
     state: ContactState
@@ -40,8 +41,3 @@ class Modes:
     """Natural angular frequencies, rad/s, ascending, shape ``(modes,)``; 0 for a rigid-body mode."""
     shapes: ModeShapes
     """Mode shapes, kg^-1/2; their sign is arbitrary, so compare them with MAC or up to sign."""
-
-    def _repr_html_(self) -> str:
-        from lapjoint.figures.notebook import html_of_modes
-
-        return html_of_modes(self)

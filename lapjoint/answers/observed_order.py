@@ -9,26 +9,14 @@ import numpy as np
 from lapjoint.problem.schema import FloatArray
 
 ROUNDING = 1e-12
-"""Relative errors up to this are taken for rounding, and say nothing about convergence: it is some 5000 units in the
-last place of a number, more than the sums in an answer lose."""
+"""Relative error up to which an error is taken for rounding, and left out of an order: some 5000 units in the last
+place, more than the sums in an answer lose."""
 
 
 def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUNDING) -> float:
-    """The order p of error ~ N^-p: the slope of the least-squares line through the logarithms.
+    """The order p of error ~ N^-p over resolutions N, both (n,): the slope of the least-squares line of the logarithms.
 
-    Parameters
-    ----------
-    resolutions : FloatArray, shape (n,)
-        Numbers N of elements or modes.
-    error : FloatArray, shape (n,)
-        Size of the relative error at each.
-    floor : float
-        Relative errors up to this are left out.
-
-    Returns
-    -------
-    float
-        The order; NaN if fewer than two errors are above `floor`.
+    Relative errors up to `floor` are left out; the order is NaN where fewer than two are left.
     """
     above = error > floor
     if above.sum() < 2:

@@ -1,10 +1,12 @@
-"""What can be read off a motion at a place: the displacement and what follows from it, with names and units."""
+"""Quantities of a motion at a place: the displacement and its derivatives, with names and units."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from lapjoint.answers.history import History
+from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 
@@ -23,18 +25,7 @@ class Quantity:
     """Whether the motion of the base is added."""
 
     def factor(self, problem: Problem) -> float:
-        """What the derivative is multiplied by.
-
-        Parameters
-        ----------
-        problem : Problem
-            The joint.
-
-        Returns
-        -------
-        float
-            In `units` over those of the derivative.
-        """
+        """The constant by which the derivative is multiplied, in `units` over the units of the derivative."""
         beam = problem.beam
         if self.name == "stress":
             material, section = beam.require_section("stress")
@@ -42,22 +33,7 @@ class Quantity:
         return beam.EI if self.dx > 1 else 1.0
 
     def of(self, history: History, x: FloatArray, t: FloatArray) -> FloatArray:
-        """The quantity at places and times.
-
-        Parameters
-        ----------
-        history : History
-            The motion.
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        t : FloatArray, shape (m,)
-            Times, s, within the history.
-
-        Returns
-        -------
-        FloatArray, shape (n, m)
-            In `units`.
-        """
+        """The quantity at places `x`, m, (n,), and times `t`, s, (m,): shape (n, m), in `units`."""
         values = self.factor(history.problem) * history.evaluate(x, t, self.dx, self.dt)
         return values + history.base(t, self.dt) if self.absolute else values
 
@@ -75,3 +51,15 @@ _ALL = (
 )
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 """The quantities by their names, in the order in which they are listed."""
+
+
+def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collection[str]) -> list[str]:
+    """Names of quantities, each once, if all are allowed and the problem has them."""
+    chosen = list(dict.fromkeys(names))
+    unknown = [name for name in chosen if name not in allowed]
+    if unknown or not chosen:
+        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
+        raise InputError(f"{what}; allowed: {', '.join(allowed)}")
+    if "stress" in chosen:
+        problem.beam.require_section("quantity 'stress'")
+    return chosen

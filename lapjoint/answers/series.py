@@ -1,7 +1,7 @@
 """Time series of a motion: chosen quantities at chosen places, at equidistant times, in memory and in files.
 
-The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds: that of its
-fastest mode or of its fastest force, whichever is higher; and no fewer than a record that drives the beam.
+The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds,
+its fastest mode or its fastest force, and at least as many as a record that drives the beam.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES as OF_PLACES
+from lapjoint.answers.quantities import checked_quantities
 from lapjoint.errors import InputError
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.files.plain_text import no_formula
@@ -28,18 +29,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FORMAT_VERSION = 1
-"""Version of the NetCDF files; it is raised whenever a reader of the version before would misread a file."""
+"""Version of the NetCDF files; it rises with each change that makes an older reader misread a file."""
 MOST_VALUES = 10_000_000
 """Largest number of values of all series together, 80 MB."""
 PER_PERIOD = 2.56
-"""Samples in a period of the fastest frequency by default: a sine needs more than two, and this is what analysers of
-vibration take."""
+"""Samples in a period of the fastest frequency by default: more than the two that a sine needs, as vibration analysers
+take."""
 FORCE = "force"
 """The one quantity that belongs to stops, not to places."""
 _ROUNDING = 1e-9
-"""Samples.  A last sample that lies beyond the end of the motion by less than this belongs to it."""
-
-
+"""Samples: a last sample that lies beyond the end of the motion by less than this belongs to the motion."""
 _FORCE = "N", "force of the stop on the beam, positive upwards"
 QUANTITIES = (*OF_PLACES, FORCE)
 """Names of the quantities."""
@@ -121,22 +120,7 @@ def check_series(
     rate: float | None = None,
     duration: float | None = None,
 ) -> None:
-    """Refuse, before a motion is found, what `time_series` would refuse after it.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    at, quantities, rate : optional
-        As `time_series` takes them.
-    duration : float, optional
-        Length of the motion, s, where it is known.
-
-    Raises
-    ------
-    InputError
-        As `time_series` says.
-    """
+    """Refuse, before a motion of a duration, s, is marched, arguments that `time_series` would refuse afterwards."""
     places, chosen = places_of(problem, at), _chosen(problem, quantities)
     if rate is not None:
         _count(problem, places, chosen, rate, duration or 0.0)
@@ -193,41 +177,12 @@ def _headings(x: FloatArray) -> list[str]:
 
 
 def written(units: str) -> str:
-    """Units of the CF conventions as people write them.
-
-    Parameters
-    ----------
-    units : str
-        As ``m s-2``.
-
-    Returns
-    -------
-    str
-        As ``m/s2``.
-    """
+    """Units of the CF conventions as people write them: ``m s-2`` as ``m/s2``."""
     return units.replace(" s-2", "/s2").replace(" s-1", "/s")
 
 
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
-    """The places asked for, or those of the stops and of the ends that no support fixes, each once.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    at : sequence of float or None
-        Places, m; None for the default.
-
-    Returns
-    -------
-    list of float
-        Positions, m.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is off the beam.
-    """
+    """The places asked for, or the stops and the ends that no support fixes, m, each once."""
     if at is None:
         L = problem.beam.length
         fixed = {support.x for support in problem.supports if math.isinf(support.translational)}
@@ -242,13 +197,7 @@ def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
     """The quantities asked for, or the displacement and the force of stops where there are some, each once."""
     if quantities is None:
         return ["displacement", FORCE] if problem.stops else ["displacement"]
-    chosen = list(dict.fromkeys(quantities))
-    unknown = [name for name in chosen if name not in QUANTITIES]
-    if unknown or not chosen:
-        what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
-        raise InputError(f"{what}; allowed: {', '.join(QUANTITIES)}")
-    if "stress" in chosen:
-        problem.beam.require_section("quantity 'stress'")
+    chosen = checked_quantities(problem, quantities, QUANTITIES)
     if FORCE in chosen and not problem.stops:
         raise InputError(f"quantity {FORCE!r}: there are no stops")
     return chosen

@@ -1,46 +1,44 @@
-"""What a steady state is, and the certificate that says how it was established."""
+"""Steady states, with certificates that say how each was established."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.history import NO_ERRORS, History
+from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
-
-if TYPE_CHECKING:
-    from lapjoint.summaries.of_orbit import OrbitSummary
 
 ComplexArray = npt.NDArray[np.complex128]
 
 CERTAIN = 4.0
-"""Standard errors by which an exponent must differ from zero; not two, because the error is itself an estimate from few
-blocks, and because the search looks at several measurements."""
+"""Standard errors by which an exponent must differ from zero: more than two, because the error is itself an estimate
+from few blocks, and because the search looks at several measurements."""
 LEAST_GROWTH = 10.0
-"""Logarithm of the least growth of a deviation over a measurement that shows chaos (and of the least shrinkage that
-shows a stable motion): on a torus a deviation grows and shrinks by less, over however long a time."""
+"""Least growth of a deviation, in factors of e, over a measurement that shows chaos, and least shrinkage that shows a
+stable motion: on a torus a deviation grows and shrinks by less, however long it is followed."""
 _CHATTER = 4
-"""Least number of contacts of a stop in a period that chatters: three flights, and what begins and ends them."""
+"""Least number of contacts in a period of a stop that chatters: those before, between and after three flights."""
 ALIKE = 0.1
 """Relative difference up to which the exponents of both halves agree, even if the growth hardly scatters."""
 SMALL = 0.1
 """Largest exponent that counts as zero, over the lowest decay rate of free vibration: nearby motions would take ten
 times as long to part as free vibration takes to die away."""
 SENSITIVE = 1e8
-"""Growth of a deviation from which rounding may decide which motion is reached: rounding, 1e-16 of the motion, is then
-1e-8 of it, as large as what tells two motions apart."""
+"""Growth of a deviation from which rounding may decide which motion is reached: a rounding error of 1e-16 of the motion
+then grows to 1e-8, the difference that tells two motions apart."""
 
 
 class Outcome(Enum):
-    """What a search for a steady state established; the values are sentences."""
+    """The result of a search for a steady state; the values are sentences."""
 
     NO_CONTACT = "The motion is periodic and touches no stop."
     PERIODIC = "The motion is periodic, with contacts."
@@ -56,7 +54,7 @@ class SectionPoint:
 
     state: ContactState
     coordinates: FloatArray
-    """The solver's own coordinates and their rates, shape ``(2, n)``; only a solver of the same kind reads them."""
+    """The solver's own coordinates and rates, shape ``(2, n)``, which only the kind of solver that wrote them reads."""
     nodes: FloatArray | None = None
     """Positions that nodal coordinates belong to, m, shape ``(nodes,)``; None where coordinates are modal."""
 
@@ -65,9 +63,9 @@ class SectionPoint:
 class Exponent:
     """The largest Lyapunov exponent of a motion: the rate at which nearby motions part.
 
-    That it is above zero, below, or zero is said only for certain, and of one measurement at most one of the three
-    holds.  Above or below zero it must be in each half, which a transient that dies away is not.  Zero is not what
-    cannot be told from it: every part of the measurement must find it within a narrow interval.
+    An exponent is called positive, negative or zero only where that is certain, and at most one of the three holds.  A
+    positive or negative exponent must be so in each half of the measurement, which excludes a transient that dies away.
+    An exponent is zero only if every quarter of the measurement finds it within a narrow interval about zero.
     """
 
     value: float
@@ -75,32 +73,33 @@ class Exponent:
     standard_error: float
     """Standard error of the mean, 1/s, with the correlation of the growth from period to period."""
     periods: int
-    """Excitation periods over which it was measured."""
+    """Number of excitation periods of the measurement."""
     time: float
-    """Their duration, s."""
+    """Duration of the measurement, s."""
     halves: tuple[float, float]
     """Mean rates over the first half of the measurement and over the second, 1/s."""
     quarters: tuple[float, ...]
-    """Rates over its quarters, 1/s, as weighted means that converge fast where the motion is quasi-periodic."""
+    """Rates over the quarters of the measurement, 1/s: weighted means, which converge fast on quasi-periodic
+    motions."""
 
     @property
     def positive(self) -> bool:
-        """Whether it is certainly above zero: in each half by `CERTAIN` errors, and over `LEAST_GROWTH` e-folds."""
+        """Whether it is certainly above zero: by `CERTAIN` errors in each half, and over `LEAST_GROWTH` e-folds."""
         return min(self.halves) > self._margin and self._steady and self.value * self.time > LEAST_GROWTH
 
     @property
     def negative(self) -> bool:
-        """Whether it is certainly below zero, as it is on a stable periodic motion, however long its period."""
+        """Whether the exponent is certainly negative, as on a stable periodic motion, however long its period."""
         return max(self.halves) < -self._margin and self._steady and self.value * self.time < -LEAST_GROWTH
 
     def vanishes(self, rate: float) -> bool:
-        """Whether it is certainly zero: in every quarter at most `SMALL` times a rate of decay.
+        """Whether the exponent is certainly zero: in every quarter at most `SMALL` times a rate of decay.
 
         Parameters
         ----------
         rate : float
-            Lowest rate at which free vibration decays by damping, 1/s.  Without damping, where it is zero or infinite,
-            there is nothing that the exponent could be small against.
+            Lowest rate at which free vibration decays by damping, 1/s.  Where it is zero or infinite, nothing is
+            damped, and no exponent counts as zero.
         """
         if self.positive or self.negative or not 0 < rate < math.inf:
             return False
@@ -108,7 +107,7 @@ class Exponent:
 
     @property
     def _margin(self) -> float:
-        """What the error may amount to, 1/s."""
+        """Bound of the error, 1/s."""
         return CERTAIN * self.standard_error
 
     @property
@@ -119,7 +118,7 @@ class Exponent:
 
 @dataclass(frozen=True)
 class Acceptance:
-    """From where, and how late, a motion was accepted as the steady state: anyone can march on from there."""
+    """Where and when a motion was accepted as the steady state: anyone can march on from there."""
 
     point: SectionPoint
     """The section point of the march at which the motion was accepted."""
@@ -128,11 +127,11 @@ class Acceptance:
     pushes: int = 0
     """How often the march was pushed off an unstable motion that it would not have left by itself."""
     growth: float | None = None
-    """Largest factor by which a deviation grew on the way, from any period to any later one; None: not measured."""
+    """Largest factor by which a deviation grew from any period to any later one; None where it was not measured."""
 
     @property
     def sensitive(self) -> bool | None:
-        """Whether rounding or a push may have decided which motion was reached; None if it was not measured."""
+        """Whether rounding or a push may have decided which motion was reached; None if growth was not measured."""
         if self.pushes:
             return True
         return None if self.growth is None else self.growth >= SENSITIVE
@@ -140,19 +139,19 @@ class Acceptance:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The same motion by a finer self of the solver, and how errors follow from the difference."""
+    """The motion at a finer resolution of the solver, and how errors follow from the difference."""
 
     history: History
     """The finer motion over one period."""
     bounds: Callable[[FloatArray, float, int, int], FloatArray]
-    """Gives errors; see `lapjoint.orbits.refinement.Refinement.bounds`."""
+    """Error bounds from differences, as `lapjoint.orbits.refinement.Refinement.bounds` gives them."""
     floor: float
-    """Error that refinement does not show, over the largest of the numbers."""
+    """Error that refinement does not show, relative to the largest value."""
 
 
 @dataclass(frozen=True)
-class SteadyState:
-    """The motion that remains, and the certificate of how that was established."""
+class SteadyState(Shown):
+    """The motion that remains, and the certificate of how it was established."""
 
     problem: Problem
     solver: str
@@ -182,44 +181,12 @@ class SteadyState:
     error_source: str = NO_ERRORS
     """How the errors were estimated, or why there are none."""
     comparison: Comparison | None = field(default=None, repr=False, compare=False)
-    """What the errors of a periodic motion are made of; None where none can be stated, or none was asked for."""
+    """The finer motion from which errors follow; None where no error can be stated, or none was asked for."""
     march_on: Callable[[int], History] | None = field(default=None, repr=False, compare=False)
-    """Gives a motion that does not repeat, from `section_point` on, over more excitation periods; not pickled."""
+    """Marches a motion that does not repeat on from `section_point` over some excitation periods; not pickled."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "march_on": None}
-
-    def summary(self, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None) -> OrbitSummary:
-        """Peaks, root mean squares and contact times, with their numerical errors.
-
-        Parameters
-        ----------
-        at : sequence of float, optional
-            Places, m; by default those of the stops and of the ends that no support fixes.
-        quantities : sequence of str, optional
-            Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration,
-            moment and, where the beam has a section, stress.
-
-        Returns
-        -------
-        OrbitSummary
-            The numbers, and their errors where those of the impulses were estimated.
-
-        Raises
-        ------
-        InputError
-            If a place is off the beam, or a quantity is unknown or needs what the problem has not.
-        SolverError
-            If a motion that does not repeat cannot be marched on.
-        """
-        from lapjoint.summaries.of_orbit import summarise
-
-        return summarise(self, at=at, quantities=quantities)
-
-    def _repr_html_(self) -> str:
-        from lapjoint.figures.notebook import html_of_steady_state
-
-        return html_of_steady_state(self)
 
     @property
     def stable(self) -> bool | None:
@@ -230,18 +197,7 @@ class SteadyState:
 
 
 def periodic_outcome(history: History) -> Outcome:
-    """Which of the periodic outcomes a periodic motion is.
-
-    Parameters
-    ----------
-    history : History
-        One period of the motion.
-
-    Returns
-    -------
-    Outcome
-        `NO_CONTACT`, `PERIODIC` or `CHATTERING`.
-    """
+    """The outcome of one period of a periodic motion: `NO_CONTACT`, `PERIODIC` or `CHATTERING`."""
     if not history.contacts:
         return Outcome.NO_CONTACT
     return (
@@ -250,17 +206,10 @@ def periodic_outcome(history: History) -> Outcome:
 
 
 def chatters(history: History, stop: int) -> bool:
-    """Whether a stop chatters: three or more flights in a row, each shorter than the last, then a lasting contact.
+    """Whether a stop chatters in a period: three or more flights, each shorter than the last, then a long contact.
 
     The contact that ends the chatter must last longer than the contact and the flight before it: the beam bounces, and
     then leans on the stop.
-
-    Parameters
-    ----------
-    history : History
-        One period of a periodic motion.
-    stop : int
-        Index into ``problem.stops``.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
     if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point
@@ -281,20 +230,7 @@ def chatters(history: History, stop: int) -> bool:
 
 
 def impulses_per_period(history: History, period_multiple: int) -> FloatArray:
-    """Mean impulse of each stop over one excitation period.
-
-    Parameters
-    ----------
-    history : History
-        The motion over some excitation periods.
-    period_multiple : int
-        How many these are.
-
-    Returns
-    -------
-    FloatArray, shape (stops,)
-        Impulses, N s, positive at the top, negative at the bottom.
-    """
+    """Mean impulse of each stop over one of the excitation periods of a history, N s, top positive, (stops,)."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         total[contact.stop] += contact.impulse

@@ -6,14 +6,15 @@ many starts end, and statistics of long motions.
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """
 
-from lapjoint.campaigns.basin_plan import BasinPlan
-from lapjoint.campaigns.basin_running import basins, solve_basins
+from lapjoint.campaigns.basins.running import basins, solve_basins
+from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.branches.running import branch
 from lapjoint.campaigns.confirm.running import confirm
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
-from lapjoint.campaigns.plan import Plan
-from lapjoint.campaigns.realisations import statistics
-from lapjoint.campaigns.running import run, solve, stored, sweep
+from lapjoint.campaigns.running import stored
+from lapjoint.campaigns.statistics.running import statistics
+from lapjoint.campaigns.sweep.running import run, solve, sweep
+from lapjoint.campaigns.sweep.spec import Plan
 
 __all__ = [
     "FREQUENCY",

@@ -11,8 +11,8 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
-from lapjoint.campaigns.batch import Batch, Solved, after, solve_batch
-from lapjoint.campaigns.campaign import Cells
+from lapjoint.campaigns.batch import Batch, Solved, solve_batch
+from lapjoint.campaigns.job import CellSolver
 from lapjoint.campaigns.workers import Deliver, given_up
 from lapjoint.errors import InputError, SolverError
 
@@ -21,40 +21,24 @@ REACHED = 15.0
 PATIENCE = 60.0
 """Time within which a scheduler must have its first worker, s: the workers of a batch system start late."""
 ALONE = 40.0
-"""Time after which a scheduler that has lost all its workers is given up, s; a nanny has a new one after a few."""
+"""Time after which a scheduler without workers is given up, s; a nanny starts a new worker after a few seconds."""
 LOOK = 5.0
 """Time between two looks at the workers, while nothing is finished, s."""
 T = TypeVar("T")
 
 
-def work_on_cluster(plan: Cells, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
-    """Solve all batches on the workers of a dask scheduler.
+def work_on_cluster(job: CellSolver, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
+    """Solve all batches on the workers of the dask scheduler at an address, as ``tcp://host:8786``.
 
     Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
-    cell by cell, and the cell whose workers die is given up.
-
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    batches : iterable of Batch
-        The work.
-    scheduler : str
-        Address of the scheduler, ``tcp://host:8786``.
-    deliver : callable
-        Takes each `Solved`, in any sequence, and may give more batches.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed, or there is no scheduler with a worker at this address.
-    SolverError
-        If the scheduler is lost, or all its workers are, and none comes back within `ALONE`.
+    cell by cell, and the cell whose workers die is given up.  InputError is raised if dask.distributed is not
+    installed, or there is no scheduler with a worker at the address; SolverError, if the scheduler is lost, or all its
+    workers are, and none comes back within `ALONE`.
     """
     with _quiet():
         client = connected(scheduler)
         try:
-            _work(client, plan, batches, deliver)
+            _work(client, job, batches, deliver)
         except (CancelledError, OSError) as error:
             if not _lost(client, error):
                 raise
@@ -72,7 +56,7 @@ def _lost(client: Any, error: BaseException) -> bool:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without the log of dask, which prints tracebacks when connections end; what matters of it raises an error."""
+    """Silence the log of dask, which prints tracebacks when connections end; whatever matters raises an error."""
     with suppress(ImportError):  # it sets the levels of its loggers
         import distributed  # noqa: F401
 
@@ -89,23 +73,10 @@ def _quiet() -> Iterator[None]:
 
 
 def connected(scheduler: str) -> Any:
-    """Connect to a scheduler that has a worker.
+    """A client of a scheduler that has a worker, to be closed by the caller.
 
-    Parameters
-    ----------
-    scheduler : str
-        Address of the scheduler, ``tcp://host:8786``.
-
-    Returns
-    -------
-    distributed.Client
-        The client of the scheduler, to be closed by the caller.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed, the scheduler does not answer within `REACHED`, or it has no worker within
-        `PATIENCE`.
+    InputError is raised if dask.distributed is not installed, the scheduler does not answer within `REACHED`, or it has
+    no worker within `PATIENCE`.
     """
     try:
         from distributed import Client
@@ -136,7 +107,7 @@ async def _answer(scheduler: str) -> None:
     comm.abort()
 
 
-def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) -> None:
+def _work(client: Any, job: CellSolver, batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}
@@ -154,7 +125,7 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
 
     def submit(batch: Batch, alone: bool = False) -> None:
         """Submit a batch, or its first cell only if it is `alone`."""
-        future = client.submit(solve_batch, plan, batch.first() if alone else batch, pure=False)
+        future = client.submit(solve_batch, job, batch.first() if alone else batch, pure=False)
         submitted[future] = batch, alone
         future.add_done_callback(collect)
 
@@ -167,12 +138,12 @@ def _work(client: Any, plan: Cells, batches: Iterable[Batch], deliver: Deliver) 
             if not alone:
                 submit(batch, alone=True)
                 continue
-            solved = given_up(plan, batch, "the workers that solved it died")
+            solved = given_up(job, batch, "the workers that solved it died")
         elif isinstance(solved, Exception):
             raise solved
         for more in deliver(solved):
             submit(more)
-        left = after(batch, len(solved.points), solved.section)
+        left = batch.after(len(solved.points), solved.section)
         if left is not None:
             submit(left, alone)
 

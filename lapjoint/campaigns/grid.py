@@ -27,12 +27,12 @@ from lapjoint.problem.random_motion import Random
 from lapjoint.problem.records import Record
 
 FREQUENCY = "base_motion.angular_frequency"
-"""Path of the excitation frequency: that of the base motion; those of periodic loads keep their ratio to it."""
+"""Path of the excitation frequency, that of the base motion; frequencies of periodic loads keep their ratio to it."""
 MOST_POINTS = 10_000_000
 """Largest number of points of a grid, for its dataset to fit into memory."""
 CHECKED_POINTS = 5000
-"""A grid of at most so many points is validated as a whole before any work, which takes seconds; of a larger grid,
-only the corners are."""
+"""Largest number of points of a grid that is validated as a whole before any work, which takes seconds; a larger grid
+is validated at its corners."""
 
 UNITS = {
     "x": "m",
@@ -96,6 +96,7 @@ class Axis:
                 )
 
     def _numbers(self, values: Iterable[Any]) -> Iterator[float]:
+        """The values as numbers; InputError if one is none."""
         for value in values:
             number = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
             if not number or math.isnan(value):
@@ -157,7 +158,7 @@ class Grid:
         return math.prod(self.shape)
 
     def values_at(self, point: int) -> tuple[float, ...]:
-        """The value of each axis at a point.
+        """The value of each axis at a point, in the units of the axes.
 
         Parameters
         ----------
@@ -167,7 +168,7 @@ class Grid:
         Returns
         -------
         tuple of float
-            The values, in the units of their axes.
+            The values.
         """
         places = np.unravel_index(point, self.shape)
         return tuple(axis.values[int(i)] for axis, i in zip(self.axes, places, strict=True))

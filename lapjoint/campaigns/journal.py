@@ -1,10 +1,10 @@
-"""An append-only journal of a sweep or of statistics, which resume from it after Ctrl-C, a crash or a full disk.
+"""An append-only journal of work, which resumes from the journal after Ctrl-C, a crash or a full disk.
 
-A journal has lines of JSON.  The first says which work this is.  Each other line holds the points of a batch and, for
-a chain, the section point from which it goes on.  Each line ends in its checksum, which is also that of the work, so
-that a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is waited
-for.  Damaged lines are dropped with a warning, wherever they are, and their points are computed again.  A lock on the
-file keeps two processes from writing the same journal; the system releases it however a process ends.
+A journal has lines of JSON.  The first line says which work the journal is of.  Each other line holds the answers of a
+batch and, for a chain, the section point from which the chain goes on.  Each line ends in a checksum of the line and of
+the work: a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is
+waited for.  Damaged lines are dropped with a warning, wherever they are, and their answers are computed again.  A lock
+on the file keeps two processes from writing one journal; the system releases the lock however a process ends.
 """
 
 from __future__ import annotations
@@ -14,16 +14,18 @@ import os
 import re
 import secrets
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cached_property
 from hashlib import sha256
 from io import FileIO
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from lapjoint.campaigns.campaign import Campaign, Kept, Point
-from lapjoint.campaigns.format_version import FORMAT_VERSION, refusal
+from lapjoint.campaigns.dataset import FORMAT_VERSION, refusal
+from lapjoint.campaigns.job import Answer, Job, Spec
+from lapjoint.campaigns.point import PlainSection
 from lapjoint.errors import DamageWarning, InputError, Interrupted, OutputError, SolverError
 from lapjoint.files.writing import unwritable
 
@@ -34,52 +36,20 @@ _CHECKSUM = re.compile(rb',"checksum":"([0-9a-f]{16})"\}\n')
 
 
 def journal_path(out: str | Path) -> Path:
-    """The path of the journal, which lies beside the file of the sweep.
-
-    Parameters
-    ----------
-    out : str or Path
-        The file that the sweep writes when it is done.
-
-    Returns
-    -------
-    Path
-        The path of the journal: that of the file, followed by ``.journal``.
-    """
+    """The path of the journal beside the file `out` of the finished work."""
     return Path(f"{out}.journal")
 
 
-class Journal:
-    """The locked journal beside `out`, and the points that it holds.
+class Journal(ABC):
+    """The locked journal beside the file `out`; `force` throws the journal of other work away.
 
-    Parameters
-    ----------
-    plan : Kept
-        The work.
-    out : str or Path
-        The file that the sweep writes when it is done.
-    force : bool
-        Whether the journal of another sweep may be thrown away.
-
-    Raises
-    ------
-    InputError
-        If another process has the journal, or it belongs to another sweep.
-    OutputError
-        If the journal cannot be written.
-
-    Warns
-    -----
-    DamageWarning
-        If lines of the journal are damaged; they are dropped, and the points that they held are not in `points`.
+    InputError is raised if another process has the journal, or it belongs to other work; OutputError, if it cannot be
+    written.  DamageWarning tells of damaged lines, which are dropped.
     """
 
-    def __init__(self, plan: Kept, out: str | Path, *, force: bool = False) -> None:
-        self.plan = plan
+    def __init__(self, spec: Spec, out: str | Path, *, force: bool = False) -> None:
+        self.spec = spec
         self.path = journal_path(out)
-        self.points: dict[int, Any] = {}
-        self.sections: dict[int, dict[str, Any] | None] = {}
-        """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
         self._file = _open_locked(self.path)
         try:
             self._read(force)
@@ -87,33 +57,25 @@ class Journal:
             self._file.close()
             raise
 
-    def append(self, points: Mapping[int, Point], section: dict[str, Any] | None = None) -> None:
-        """Keep points: they are on the disk when this returns.
-
-        Parameters
-        ----------
-        points : mapping of int to Point
-            What was found, by the number of the cell.
-        section : dict of str to Any, optional
-            Section point from which the chain goes on after the last of these cells, as `plain_section` gives it.
-
-        Raises
-        ------
-        OutputError
-            If they cannot be written; what the journal held before is still good.
-        """
-        line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
-        if section is not None:
-            line["section"] = section
-        self._keep(line)
-
     def _keep(self, line: dict[str, Any]) -> None:
         """Write a line, and take what it holds."""
         self._write(_sealed(line, self._owner))
         self._take(line)
 
-    def _holds_nothing(self) -> bool:
-        return not self.points
+    @abstractmethod
+    def _take(self, line: dict[str, Any]) -> None:
+        """Take what a line holds."""
+
+    @abstractmethod
+    def _holds_nothing(self) -> bool: ...
+
+    @abstractmethod
+    def _done(self) -> str:
+        """What the journal holds, as the subject of a sentence with its verb."""
+
+    @abstractmethod
+    def _nothing_done(self) -> str:
+        """A sentence for a journal that holds nothing."""
 
     def close(self) -> None:
         """Release the journal to other processes; an empty one is removed."""
@@ -122,20 +84,15 @@ class Journal:
         self._file.close()
 
     def remove(self) -> None:
-        """Remove the journal, when the file of the sweep is written."""
+        """Remove the journal, when the file of the work is written."""
         self.path.unlink(missing_ok=True)
         self.close()
 
     @contextmanager
     def going(self) -> Iterator[None]:
-        """While the work goes on: where it stops, the message says what is kept; in the end the journal is closed.
+        """While the work goes on: an error that stops it says what is kept; in the end the journal is closed.
 
-        Raises
-        ------
-        OutputError, SolverError
-            As the work raised it, and what is kept.
-        Interrupted
-            After Ctrl-C; what is kept.
+        KeyboardInterrupt becomes Interrupted.
         """
         try:
             yield
@@ -147,26 +104,14 @@ class Journal:
             self.close()
 
     def kept(self) -> str:
-        """A message for a sweep that stops here: it reads the file, because an interrupt can come at any moment."""
+        """A message for work that stops here, from the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if self._holds_nothing():
             return self._nothing_done()
         return f"{self._done()} kept in {self.path}; the same command resumes"
 
-    def _done(self) -> str:
-        """What the journal holds, as the subject of a sentence with its verb."""
-        return f"{len(self.points)} of {self._of_all} are"
-
-    def _nothing_done(self) -> str:
-        return f"none of {self._of_all} was done"
-
-    @property
-    def _of_all(self) -> str:
-        """The number of all cells, with what they are called."""
-        return f"{self.plan.size} {self.plan.cells_noun}"
-
     def _read(self, force: bool) -> None:
-        """Take the points in the file, and leave in it only what is whole."""
+        """Take what the file holds, and leave only its whole lines."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
@@ -179,18 +124,18 @@ class Journal:
 
     @cached_property
     def _header(self) -> bytes:
-        """The first line, which says which sweep this is."""
-        return _sealed({"journal": FORMAT_VERSION, "fingerprint": self.plan.fingerprint, **self.plan.identity})
+        """The first line, which says which work this is."""
+        return _sealed({"journal": FORMAT_VERSION, "fingerprint": self.spec.fingerprint, **self.spec.identity})
 
     @property
     def _owner(self) -> str:
-        """What the checksums of all lines but the first are of, too: the format and the sweep."""
-        return f"{FORMAT_VERSION} {self.plan.fingerprint}"
+        """The format and the work, which the checksums of all lines but the first cover, too."""
+        return f"{FORMAT_VERSION} {self.spec.fingerprint}"
 
     def _load(self, force: bool) -> tuple[list[bytes], int]:
-        """Take the points in the file; returns its whole lines, and the number of those that are damaged.
+        """Take what the file holds; returns its whole lines, and the number of damaged lines.
 
-        A file that has no whole line of this sweep is refused, unless it is empty or may be thrown away.
+        A file that has no whole line of this work is refused, unless it is empty or may be thrown away.
         """
         self._file.seek(0)
         lines = self._file.readall().splitlines(keepends=True)
@@ -208,29 +153,23 @@ class Journal:
         return len(lines) == 1 and BEGINNING.startswith(lines[0][: len(BEGINNING)]) and not lines[0].endswith(b"\n")
 
     def _difference(self, first: bytes) -> str:
-        """Why a file that begins with this line is not the journal of this sweep."""
+        """Why a file that begins with this line is not the journal of this work."""
         header = _parsed(first)
         if header is None or "fingerprint" not in header:
-            return f"is there already, and is not a journal of a {self.plan.noun}"
+            return f"is there already, and is not a journal of a {self.spec.noun}"
         if "checksum" in header and _opened(first) is None:
-            return f"is damaged, and nothing in it is known to be of this {self.plan.noun}"
+            return f"is damaged, and nothing in it is known to be of this {self.spec.noun}"
         if refusal(header.get("journal")):
             return refusal(header.get("journal"))
-        different = [key for key, value in self.plan.identity.items() if header.get(key) != value]
-        return f"holds another {self.plan.noun}, not finished (it differs in {', '.join(different)})"
+        different = [key for key, value in self.spec.identity.items() if header.get(key) != value]
+        return f"holds another {self.spec.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:
-        """Whether a later line is whole; its points are taken."""
+        """Whether a later line is whole; what it holds is taken."""
         line = _opened(raw, self._owner)
         if line is not None:
             self._take(line)
         return line is not None
-
-    def _take(self, line: dict[str, Any]) -> None:
-        cells = line["cells"]
-        point = cast(Campaign, self.plan).point  # other work takes its lines itself
-        self.points.update({cell: point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
-        self.sections[cells[-1]] = line.get("section")
 
     def _write(self, line: bytes) -> None:
         end = self._file.seek(0, os.SEEK_END)
@@ -262,6 +201,42 @@ class Journal:
         self._file = file
 
 
+class CellJournal(Journal):
+    """The journal of a job, and the answers of cells that it holds."""
+
+    def __init__(self, job: Job[Any, Any], out: str | Path, *, force: bool = False) -> None:
+        self.points: dict[int, Any] = {}
+        """Answers by the numbers of their cells."""
+        self.sections: dict[int, PlainSection | None] = {}
+        """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
+        self._point = job.point
+        super().__init__(job.spec, out, force=force)
+
+    def append(self, points: Mapping[int, Answer], section: PlainSection | None = None) -> None:
+        """Keep answers, and where a chain goes on after the last of them: they are on the disk when this returns.
+
+        OutputError is raised if they cannot be written; what the journal held before is still good.
+        """
+        line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
+        if section is not None:
+            line["section"] = section
+        self._keep(line)
+
+    def _take(self, line: dict[str, Any]) -> None:
+        cells = line["cells"]
+        self.points.update({cell: self._point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
+        self.sections[cells[-1]] = line.get("section")
+
+    def _holds_nothing(self) -> bool:
+        return not self.points
+
+    def _done(self) -> str:
+        return f"{len(self.points)} of {self.spec.size} {self.spec.cells_noun} are"
+
+    def _nothing_done(self) -> str:
+        return f"none of {self.spec.size} {self.spec.cells_noun} was done"
+
+
 def _write_all(file: FileIO, content: bytes) -> None:
     """Write bytes, and wait until they are on the disk."""
     while content:
@@ -270,7 +245,7 @@ def _write_all(file: FileIO, content: bytes) -> None:
 
 
 def _sealed(line: dict[str, Any], owner: str = "") -> bytes:
-    """A line as the file holds it, with the checksum of its bytes and of the sweep to which it belongs."""
+    """A line as the file holds it, with the checksum of its bytes and of the work to which it belongs."""
     body = json.dumps(line, separators=(",", ":")).encode()
     return body[:-1] + b',"checksum":"' + _checksum(body, owner) + b'"}\n'
 

@@ -12,11 +12,11 @@ from lapjoint.files.plain_text import duration_text
 
 LOGGER = logging.getLogger(__name__)
 FEW = 4
-"""Points, after the first, from which the pace is read; the first one is also what compiling takes."""
+"""Number of points, after the first, from which the pace is read; the time of the first includes compiling."""
 MANY = 64
-"""Points after which nothing more is said: progress tells it then."""
+"""Number of points after which nothing is said: progress tells the pace then."""
 WORTH_SAYING = 60.0
-"""Time that is left, s, below which nothing is said."""
+"""Time that is left below which nothing is said, s: a shorter wait needs no warning."""
 
 
 @dataclass
@@ -33,15 +33,7 @@ class Pace:
     _told: bool = field(default=False, init=False)
 
     def take(self, points: Iterable[Any], left: int) -> None:
-        """Take points that have just been found.
-
-        Parameters
-        ----------
-        points : iterable of Point
-            What was found; what has no period multiple is passed over.
-        left : int
-            Number of points that are left.
-        """
+        """Take answers that have just been found, of which only points count, and the number of cells that are left."""
         multiples = [point.period_multiple for point in points if hasattr(point, "period_multiple")]
         now = self.clock()
         self._seen += len(multiples)

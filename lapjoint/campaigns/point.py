@@ -1,16 +1,17 @@
-"""The result at one point of a sweep, as plain values that a journal can hold."""
+"""The motion at one point of a sweep or of a branch, and a section point, as plain values that a journal can hold."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple, NotRequired, TypedDict
 
 import numpy as np
 
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState
+from lapjoint.summaries import summarise
 
 FAILED = "FAILED"
 """Name of the outcome where the solver gave up."""
@@ -18,6 +19,34 @@ OUTCOME_CODES = {FAILED: -1} | {outcome.name: code for code, outcome in enumerat
 """Numbers that stand for the outcomes in a file, by name; -1 where the solver gave up."""
 CUT_AT_START, CUT_AT_END = 1, 2
 """Bits that say at which end of the motion a contact is cut."""
+
+
+class PlainSection(TypedDict):
+    """A section point as values that JSON can hold; Python writes each float with the digits that give it back."""
+
+    closed: list[int]
+    """The closed stops."""
+    coordinates: list[list[float]]
+    """The solver's own coordinates."""
+    nodes: NotRequired[list[float]]
+    """Positions of the nodes along the beam, where the coordinates have some."""
+
+
+class PlainContact(NamedTuple):
+    """A contact of the motion at a point; a journal holds it as a list, in this sequence."""
+
+    stop: int
+    """The stop, from 0."""
+    start: float
+    """Time of impact, since the start of the motion, s."""
+    duration: float
+    """Time in contact, s."""
+    impulse: float
+    """Time integral of the stop's force, N s."""
+    peak_force: float
+    """Largest force of the stop, N."""
+    cut: int
+    """The ends at which the motion cuts the contact, `CUT_AT_START` plus `CUT_AT_END`."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +73,8 @@ class Point:
     """Impulse of each stop over one excitation period, N s; empty if the solver gave up."""
     duration: float = math.nan
     """Duration of the motion whose contacts are kept, s."""
-    contacts: tuple[tuple[int, float, float, float, float, int], ...] = ()
-    """For each contact: the stop, from 0; the time of impact, s, since the start of the motion; the duration, s; the
-    impulse, N s; the peak force, N; and the ends at which it is cut, `CUT_AT_START` plus `CUT_AT_END`."""
+    contacts: tuple[PlainContact, ...] = ()
+    """The contacts, in the sequence of their impacts."""
     growth: float = math.nan
     """Largest factor by which a deviation grew on the way to the motion; NaN if it was not measured."""
     impulse_errors: tuple[float, ...] = ()
@@ -59,20 +87,7 @@ class Point:
 
 
 def point_of(found: SteadyState, summary: Sequence[str] = ()) -> Point:
-    """The numbers of a steady state that a sweep keeps.
-
-    Parameters
-    ----------
-    found : SteadyState
-        The steady state.
-    summary : sequence of str
-        Further numbers to keep, of `lapjoint.summaries.of_orbit.SUMMARIES`.
-
-    Returns
-    -------
-    Point
-        Its numbers.
-    """
+    """The numbers of a steady state that are kept, with those of `SUMMARIES` that `summary` names."""
     history, exponent = found.history, found.exponent
     leading = complex(found.multipliers[0]) if found.multipliers.size else complex(math.nan, math.nan)
     growth = None if found.acceptance is None else found.acceptance.growth
@@ -88,13 +103,13 @@ def point_of(found: SteadyState, summary: Sequence[str] = ()) -> Point:
         impulses=tuple(np.asarray(found.impulses, dtype=float).tolist()),
         duration=float(history.end - history.start),
         contacts=tuple(
-            (
-                int(c.stop),
-                float(c.start - history.start),
-                float(c.duration),
-                float(c.impulse),
-                float(c.peak_force),
-                CUT_AT_START * bool(c.open_start) + CUT_AT_END * bool(c.open_end),
+            PlainContact(
+                stop=int(c.stop),
+                start=float(c.start - history.start),
+                duration=float(c.duration),
+                impulse=float(c.impulse),
+                peak_force=float(c.peak_force),
+                cut=CUT_AT_START * bool(c.open_start) + CUT_AT_END * bool(c.open_end),
             )
             for c in history.contacts
         ),
@@ -108,7 +123,7 @@ def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[floa
     """Numbers of a steady state as `Point.summary` holds them."""
     from lapjoint.summaries.of_orbit import OF_STOPS, quantities_of
 
-    summary = found.summary(quantities=quantities_of(names) or ["displacement"])
+    summary = summarise(found, quantities=quantities_of(names) or ["displacement"])
     result = {}
     for name in names:
         values = summary.values[name]
@@ -121,39 +136,16 @@ def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[floa
     return result
 
 
-def plain_section(point: SectionPoint) -> dict[str, Any]:
-    """A section point as values that JSON can hold.
-
-    Python writes each float with the digits that give it back exactly.
-
-    Parameters
-    ----------
-    point : SectionPoint
-        The section point.
-
-    Returns
-    -------
-    dict of str to Any
-        Its closed stops, its coordinates and, where it has some, its nodes, as lists.
-    """
-    plain = {"closed": list(point.state.closed), "coordinates": np.asarray(point.coordinates, dtype=float).tolist()}
+def plain_section(point: SectionPoint) -> PlainSection:
+    """A section point as values that JSON can hold."""
+    coordinates = np.asarray(point.coordinates, dtype=float).tolist()
+    plain = PlainSection(closed=list(point.state.closed), coordinates=coordinates)
     if point.nodes is not None:
         plain["nodes"] = np.asarray(point.nodes, dtype=float).tolist()
     return plain
 
 
-def section_from(plain: dict[str, Any]) -> SectionPoint:
-    """The section point from the values that `plain_section` made of it.
-
-    Parameters
-    ----------
-    plain : dict of str to Any
-        The values.
-
-    Returns
-    -------
-    SectionPoint
-        The section point, with the same bits.
-    """
+def section_from(plain: PlainSection) -> SectionPoint:
+    """The section point of which `plain_section` made the values, with the same bits."""
     nodes = np.array(plain["nodes"], dtype=float) if "nodes" in plain else None
     return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float), nodes)

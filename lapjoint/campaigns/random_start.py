@@ -21,23 +21,10 @@ SIZE = 3.0
 
 
 def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> SampledShape:
-    """A random combination of the lowest free modes.
+    """A random combination of the lowest free modes, which fulfils the fixed supports.
 
-    Displacements are of the size of some gaps, and velocities of this size times the excitation frequency.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint; its excitation has a period.
-    solver : Solver
-        The solver that gives the modes.
-    seed : tuple of int
-        Numbers that are not negative; the same seed gives the same state.
-
-    Returns
-    -------
-    SampledShape
-        Displacement, m, and velocity, m/s, at `POINTS` equidistant positions; they fulfil the fixed supports.
+    Displacements are of the size of some gaps, and velocities of this size times the excitation frequency.  The solver
+    gives the modes.  Equal seeds, which are numbers that are not negative, give equal states.
     """
     rng = np.random.default_rng(seed)
     x = np.linspace(0.0, problem.beam.length, POINTS)

@@ -1,110 +1,29 @@
-"""Runs a campaign from its plan to its dataset: resumes what is done, gives the rest to workers, keeps the journal."""
+"""Runs a job: resumes what is done, gives the rest to workers, keeps the journal, and writes the dataset."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lapjoint.campaigns.batch import after, batches, solve_batch, solver_of
-from lapjoint.campaigns.campaign import Campaign, Cells, Kept, Rehearses
-from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.journal import Journal
+from lapjoint.campaigns.batch import Batch, Solved, batches, batches_of, solve_batch, solver_of
+from lapjoint.campaigns.dataset import read_result
+from lapjoint.campaigns.job import CellSolver, Job, Rehearses, Spec
+from lapjoint.campaigns.journal import CellJournal
 from lapjoint.campaigns.pace import Pace
-from lapjoint.campaigns.plan import Plan, Start
+from lapjoint.campaigns.point import PlainSection
 from lapjoint.campaigns.workers import Deliver, Workers, check_workers, work_here, work_in_processes, work_mapped
 from lapjoint.errors import InputError
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.machine.processes import StandingPool, standing_pool
-from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.batch import Batch, Solved
 
-
-def sweep(
-    problem: Problem,
-    axes: Iterable[Axis],
-    *,
-    solver: str = "analytic",
-    options: Mapping[str, Any] | None = None,
-    start: Start = "rest",
-    starts: int = 1,
-    seed: int = 0,
-    sensitivity: bool = False,
-    errors: bool = False,
-    summary: Sequence[str] = (),
-    workers: Workers = 1,
-    scheduler: str | None = None,
-    out: str | Path | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Find the steady states at every point of a grid of problems.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem that has all that the axes do not change.
-    axes : iterable of Axis
-        The numbers that are changed; `start` = "up" and "down" follow the first of them.
-    solver : str
-        Entry-point name of the solver.
-    options : mapping, optional
-        Numerical options of the solver.
-    start : {"rest", "up", "down", "random"}
-        Start of each motion: the problem's own initial state; the motion before it along the first axis, ascending or
-        descending; or a random initial state.
-    starts : int
-        Number of starts at each point; with "rest", the starts after the first are random.
-    seed : int
-        Seed of the random initial states.
-    sensitivity : bool
-        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
-    errors : bool
-        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
-    summary : sequence of str
-        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`, as ``stress_peak``, ``force_rms`` or
-        ``contact_time``: variables of the dataset.
-    workers : int or map-like callable
-        Number of processes, -1 for all processors; or a function that maps a function over an iterable, as
-        ``multiprocessing.Pool.imap_unordered`` does.  A script that asks for processes must do so below
-        ``if __name__ == "__main__"``.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers do the work instead, ``tcp://host:8786``.
-    out : str or Path, optional
-        File of the dataset, as NetCDF.  Until the sweep is finished, a journal beside it keeps the points that are
-        done, and the same call resumes the sweep.
-    force : bool
-        Whether another sweep in `out` may be thrown away.
-    progress : callable, optional
-        Called with the number of points done and the number of all.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset; `lapjoint.campaigns.dataset` says how contacts are stored.  It depends neither on the number of
-        workers nor on interruptions.
-
-    Raises
-    ------
-    InputError
-        If a parameter or a point is not valid, `out` holds another sweep, or another process works on it.
-    OutputError
-        If the disk is full.
-    Interrupted
-        After Ctrl-C.
-    """
-    grid, numerics = Grid(problem, tuple(axes)), dict(options or {})
-    plan = Plan(grid, solver, numerics, start, starts, seed, sensitivity, errors, tuple(summary))
-    return run(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-
-
-def run(
-    plan: Campaign,
+def run_job(
+    job: Job[Any, Any],
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
@@ -112,113 +31,55 @@ def run(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run a plan, unless `out` holds its finished dataset already.
-
-    Parameters
-    ----------
-    plan : Campaign
-        The work.
-    workers : int or map-like callable
-        Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers do the work instead.
-    out : str or Path, optional
-        File of the dataset.
-    force : bool
-        Whether another sweep in `out` may be thrown away.
-    progress : callable, optional
-        Called with the number of points done and the number of all.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-
-    Raises
-    ------
-    InputError
-        If the plan is not valid, `out` holds another sweep, or another process works on it.
-    OutputError
-        If the disk is full.
-    Interrupted
-        After Ctrl-C.
-    """
-    found = None if out is None else stored(plan, out, force=force)
+    """Run a job as `solve_job` does, unless `out` holds its finished dataset already."""
+    found = None if out is None else stored(job.spec, out, force=force)
     if found is not None:
         return found
-    return solve(plan, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+    return solve_job(job, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
 
 
-def solve(
-    plan: Campaign,
+def solve_job(
+    job: Job[Any, Any],
     *,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
     force: bool = False,
     progress: Progress | None = None,
-    work: Callable[..., None] | None = None,
 ) -> xr.Dataset:
-    """Run a plan, and replace what is in `out`.
+    """Run a job, and replace what is in `out`.
 
-    If there is a journal of the plan beside `out`, the sweep resumes from it; `force` concerns the journal of another
-    sweep.
+    If there is a journal of the job beside `out`, the job resumes from it; `force` throws away the journal of other
+    work.  `workers` is a number of processes, -1 for all processors, or a function like `map`; the workers of a dask
+    `scheduler` do the work instead, if its address is given.  `progress` is called with the number of cells done and
+    the number of all.
 
-    Parameters
-    ----------
-    plan : Campaign
-        The work.
-    workers : int or map-like callable
-        Number of processes, -1 for all processors, or a function like `map`, as for `sweep`.
-    scheduler : str, optional
-        Address of a dask scheduler whose workers do the work instead.
-    out : str or Path, optional
-        File of the dataset.
-    force : bool
-        Whether the journal of another sweep may be thrown away.
-    progress : callable, optional
-        Called with the number of points done and the number of all.
-    work : callable, optional
-        Finds the cells that are missing, as `all_cells` does, which is the default.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
-
-    Raises
-    ------
-    InputError
-        If the plan is not valid, the journal belongs to another sweep, or another process works on it.
-    OutputError
-        If the disk is full; the message says how many points are kept.
-    SolverError
-        If the workers are lost; the message says how many points are kept.
-    Interrupted
-        After Ctrl-C; the message says how many points are kept.
+    InputError is raised if the job is not valid, the journal belongs to other work, or another process has it;
+    OutputError, if the disk is full; SolverError, if the workers are lost; Interrupted, after Ctrl-C.  The messages of
+    the last three say what is kept.
     """
-    workers, work = check_workers(workers), work or all_cells
-    plan.check()
+    workers = check_workers(workers)
+    job.check()
     if out is None:
         points: dict[int, Any] = {}
-        work(plan, points, None, workers, scheduler, progress)
-        return plan.dataset(points)
-    journal = Journal(plan, out, force=force)
+        _find_missing(job, points, None, workers, scheduler, progress)
+        return job.dataset(points)
+    journal = CellJournal(job, out, force=force)
     with journal.going():
-        work(plan, journal.points, journal, workers, scheduler, progress)
-        dataset = plan.dataset(journal.points)
+        _find_missing(job, journal.points, journal, workers, scheduler, progress)
+        dataset = job.dataset(journal.points)
         write_netcdf(dataset, out)
         journal.remove()
     return dataset
 
 
-def stored(plan: Kept, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
+def stored(plan: Spec, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
     """The finished dataset of a sweep, or of other work, if its file is there.
 
     Parameters
     ----------
-    plan : Kept
-        The work.
+    plan : Spec
+        What is asked: `Plan`, `BasinPlan`, ...
     out : str or Path
         File of the dataset.
     force : bool
@@ -234,8 +95,6 @@ def stored(plan: Kept, out: str | Path, *, force: bool = False) -> xr.Dataset | 
     InputError
         If the file is something else, and may not be thrown away.
     """
-    from lapjoint.campaigns.dataset import read_result
-
     if not Path(out).exists():
         return None
     try:
@@ -251,137 +110,86 @@ def stored(plan: Kept, out: str | Path, *, force: bool = False) -> xr.Dataset | 
     raise InputError(f"{out}: is the result of another {plan.noun}; choose another --out, or overwrite it with --force")
 
 
-def delivery(plan: Campaign, points: dict[int, Any], journal: Journal | None, progress: Progress | None) -> Deliver:
-    """What takes batches when they are solved; it says at once how much is done already.
+def _find_missing(
+    job: Job[Any, Any],
+    points: dict[int, Any],
+    journal: CellJournal | None,
+    workers: Workers,
+    scheduler: str | None,
+    progress: Progress | None,
+) -> None:
+    """Find the answers that are missing in `points`, those of the journal if there is one, and keep them there."""
 
-    Parameters
-    ----------
-    plan : Campaign
-        The work.
-    points : dict of int to answer
-        What is done, by the number of the cell; takes what is found.
-    journal : Journal, or None
-        Keeps what is found, in `points` too.
-    progress : callable, or None
-        Called with the number of cells done and the number of all.
+    def say(done: float = 0.0, total: float = 1.0) -> None:
+        """Tell progress, with the part that is done of the cell under way."""
+        if progress is not None and done < total:
+            progress(len(points) + done / total if done else len(points), job.spec.size)
 
-    Returns
-    -------
-    callable
-        Takes a batch.
-    """
-
-    def say() -> None:
-        if progress is not None:
-            progress(len(points), plan.size)
-
-    pace = Pace(plan.noun)
+    pace = Pace(job.spec.noun)
 
     def deliver(solved: Solved) -> tuple[Batch, ...]:
         if journal is None:
             points.update(solved.points)
         else:
             journal.append(solved.points, solved.section)
-        pace.take(solved.points.values(), plan.size - len(points))
+        pace.take(solved.points.values(), job.spec.size - len(points))
         say()
         return ()
 
     say()
-    return deliver
-
-
-def all_cells(
-    plan: Campaign,
-    points: dict[int, Any],
-    journal: Journal | None,
-    workers: Workers,
-    scheduler: str | None,
-    progress: Progress | None,
-) -> None:
-    """Find the answers that are missing.
-
-    Parameters
-    ----------
-    plan : Campaign
-        The work.
-    points : dict of int to answer
-        What is done, by the number of the cell; takes what is found.
-    journal : Journal, or None
-        Keeps what is found, in `points` too.
-    workers : int or map-like callable
-        Number of processes, or a function like `map`.
-    scheduler : str, or None
-        Address of a dask scheduler whose workers do it instead.
-    progress : callable, or None
-        Called with the number of cells done and the number of all.
-    """
-
-    def part_of_a_cell(done: float, total: float) -> None:
-        if progress is not None and done < total:
-            progress(len(points) + done / total, plan.size)
-
-    deliver = delivery(plan, points, journal, progress)
-    length = plan.longest_batch
+    sections: Mapping[int, PlainSection | None] = journal.sections if journal else {}
+    first = (cell for cell in range(job.first_stage) if cell not in points)
+    send(job, batches_of(first, 1), workers, scheduler, deliver, say)
+    job = job.informed(points)
+    length = job.longest_batch
     if isinstance(workers, int):
-        length = max(1, min(length, plan.size // (4 * workers)))
-    todo = list(batches(plan, set(points), journal.sections if journal else {}, length))
-    if todo:
-        send(plan, todo, workers, scheduler, deliver, part_of_a_cell)
+        length = max(1, min(length, job.spec.size // (4 * workers)))
+    send(job, batches(job, points, sections, length), workers, scheduler, deliver, say)
 
 
 def send(
-    plan: Cells,
+    job: CellSolver,
     todo: list[Batch],
     workers: Workers | StandingPool,
     scheduler: str | None,
     deliver: Deliver,
     progress: Progress | None = None,
 ) -> None:
-    """Send batches to the workers.
+    """Send batches to the workers, which are processes, standing processes, a function like `map` or a scheduler's.
 
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    todo : list of Batch
-        What is to be done of it, at least one batch.
-    workers : int, StandingPool or map-like callable
-        Number of processes, or processes that stand, or a function like `map`.
-    scheduler : str, or None
-        Address of a dask scheduler whose workers do it instead.
-    deliver : callable
-        Takes each `Solved`, in any sequence, and may give more batches.
-    progress : callable, optional
-        Called now and then with how much of a cell is done and the whole, where this process solves them.
+    `deliver` takes each `Solved`, in any sequence, and may give more batches.  `progress` is called with how much of a
+    cell is done and the whole, where this process solves the cells.
     """
+    if not todo:
+        return
     if scheduler is not None:
         from lapjoint.campaigns.cluster import work_on_cluster
 
-        work_on_cluster(plan, _after_first_cell(plan, todo, deliver), scheduler, deliver)
+        work_on_cluster(job, _after_first_cell(job, todo, deliver), scheduler, deliver)
     elif callable(workers):
-        work_mapped(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
+        work_mapped(job, _after_first_cell(job, todo, deliver), workers, deliver)
     elif isinstance(workers, StandingPool):
-        work_in_processes(plan, _after_first_cell(plan, todo, deliver), workers, deliver)
+        work_in_processes(job, _after_first_cell(job, todo, deliver), workers, deliver)
     elif workers > 1:
         with standing_pool(min(workers, len(todo))) as pool:
-            work_in_processes(plan, _after_first_cell(plan, todo, deliver), pool, deliver)
+            work_in_processes(job, _after_first_cell(job, todo, deliver), pool, deliver)
     else:
-        work_here(plan, todo, deliver, progress)
+        work_here(job, todo, deliver, progress)
 
 
-def _after_first_cell(plan: Cells, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
+def _after_first_cell(job: CellSolver, todo: list[Batch], deliver: Deliver) -> Iterator[Batch]:
     """Solve the first cell in this process, or rehearse it, and give the batches that are left for the workers.
 
-    That makes numba compile the march and store the machine code on the disk.  The workers then load it, instead of
-    each compiling the same functions at the same time.
+    That makes numba compile the march and store the machine code on the disk.  The workers then load the machine code,
+    instead of each compiling the same functions at the same time.
     """
-    if isinstance(plan, Rehearses):
-        plan.rehearse(solver_of(plan))
+    if isinstance(job, Rehearses):
+        job.rehearse(solver_of(job.spec))
         yield from todo
         return
-    solved = solve_batch(plan, todo[0].first())
+    solved = solve_batch(job, todo[0].first())
     more = deliver(solved)
-    left = after(todo[0], 1, solved.section)
+    left = todo[0].after(1, solved.section)
     if left is not None:
         yield left
     yield from todo[1:]

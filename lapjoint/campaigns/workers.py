@@ -1,6 +1,6 @@
 """The workers of a campaign: this process, a pool of processes, or a function like `map` that the caller gives.
 
-Each function takes a plan and its batches, and delivers what is solved, in any sequence.
+Each function takes a job and its batches, and delivers what is solved, in any sequence.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from typing import Any
 
-from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, after, solve_batch
-from lapjoint.campaigns.campaign import Cells
+from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, solve_batch
+from lapjoint.campaigns.job import CellSolver
 from lapjoint.errors import InputError
 from lapjoint.machine.processes import LOOK, StandingPool, first_finished, interrupts_held
 from lapjoint.solver import Progress
@@ -27,28 +27,12 @@ Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]
 Workers = int | Callable[..., Any]
 """Number of processes, -1 for all processors; or a `Mapper`."""
 MOST_DEATHS = 3
-"""A cell is given up after so many deaths of the process that solved it: one or two may have other causes, such as a
-lack of memory."""
+"""Number of deaths of the process that solves a cell after which the cell is given up: one or two deaths may have other
+causes, such as a lack of memory."""
 
 
 def check_workers(workers: Workers) -> Workers:
-    """Check the workers that a caller asks for.
-
-    Parameters
-    ----------
-    workers : int or callable
-        Number of processes, -1 for all processors, or a function like `map`.
-
-    Returns
-    -------
-    int or callable
-        Number of processes, at least 1, or the function.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
-    """
+    """The number of processes that is asked for, at least 1, or the function; InputError if it is neither."""
     if callable(workers):
         return workers
     if isinstance(workers, bool) or not isinstance(workers, int) or workers == 0 or workers < -1:
@@ -56,97 +40,44 @@ def check_workers(workers: Workers) -> Workers:
     return len(os.sched_getaffinity(0)) if workers == -1 else workers
 
 
-def work_here(plan: Cells, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
-    """Solve all batches in this process, one after the other.
-
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    batches : iterable of Batch
-        The work.
-    deliver : callable
-        Takes each `Solved`, and may give more batches.
-    progress : callable, optional
-        Called as `solve_batch` says.
-    """
+def work_here(job: CellSolver, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
+    """Solve all batches in this process, one after the other; `progress` is called as `solve_batch` says."""
     waiting = deque(batches)
     while waiting:
-        solved = solve_batch(plan, waiting.popleft(), progress)
+        solved = solve_batch(job, waiting.popleft(), progress)
         if solved.left is not None:
             waiting.appendleft(solved.left)
         waiting.extend(deliver(solved))
 
 
-def work_mapped(plan: Cells, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
-    """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round.
-
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    batches : iterable of Batch
-        The work.
-    mapper : callable
-        Maps a function over batches, and gives its results in any sequence.
-    deliver : callable
-        Takes each `Solved`, and may give more batches.
-    """
+def work_mapped(job: CellSolver, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
+    """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round."""
     left = list(batches)
     while left:
         done, left = left, []
-        for solved in mapper(partial(solve_batch, plan), done):
+        for solved in mapper(partial(solve_batch, job), done):
             left += deliver(solved)
             if solved.left is not None:
                 left.append(solved.left)
 
 
-def given_up(plan: Cells, batch: Batch, reason: str) -> Solved:
-    """Give up the first cell of a batch.
-
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    batch : Batch
-        The batch.
-    reason : str
-        Message of the cell.
-
-    Returns
-    -------
-    Solved
-        The cell without an answer, and the rest of the batch.
-    """
-    return Solved({batch.cells[0]: plan.point({"message": reason})}, batch.section, after(batch, 1, batch.section))
+def given_up(job: CellSolver, batch: Batch, reason: str) -> Solved:
+    """The first cell of a batch without an answer, for some reason, and the rest of the batch."""
+    return Solved({batch.cells[0]: job.point({"message": reason})}, batch.section, batch.after(1, batch.section))
 
 
-def work_in_processes(plan: Cells, batches: Iterable[Batch], pool: StandingPool, deliver: Deliver) -> None:
-    """Solve all batches in a pool of processes; the sweep goes on when processes die.
+def work_in_processes(job: CellSolver, batches: Iterable[Batch], pool: StandingPool, deliver: Deliver) -> None:
+    """Solve all batches in a pool of processes, which stand idle afterwards; the work goes on when processes die.
 
-    Parameters
-    ----------
-    plan : Cells
-        The work.
-    batches : iterable of Batch
-        The work.
-    pool : StandingPool
-        The processes; they stand afterwards, idle.
-    deliver : callable
-        Takes each `Solved`, in any sequence, and may give more batches.
-
-    Raises
-    ------
-    SolverError
-        If the processes do not start.
+    SolverError is raised if the processes do not start.
     """
     waiting = deque(batches)
     if waiting:
-        _Run(plan, waiting, pool, deliver).work()
+        _PoolWork(job, waiting, pool, deliver).work()
 
 
-class _Run:
-    """The work on the batches of a sweep by a pool of processes, which is renewed when a process dies.
+class _PoolWork:
+    """The work on batches by a pool of processes, which is renewed when a process dies.
 
     A dead process breaks its whole pool, and nothing says which batch it was solving.  After a death, every batch that
     the pool had is therefore suspected.  The suspected batches are then solved cell by cell, with one cell in the pool
@@ -157,8 +88,8 @@ class _Run:
     for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
-    def __init__(self, plan: Cells, waiting: deque[Batch], pool: StandingPool, deliver: Deliver) -> None:
-        self._plan, self._waiting, self._deliver, self._pool = plan, waiting, deliver, pool
+    def __init__(self, job: CellSolver, waiting: deque[Batch], pool: StandingPool, deliver: Deliver) -> None:
+        self._job, self._waiting, self._deliver, self._pool = job, waiting, deliver, pool
         self._suspected: deque[Batch] = deque()
         self._suspicion_ends = 0.0
         """Time of the monotonic clock, s."""
@@ -200,7 +131,7 @@ class _Run:
         """Submit a batch, or its first cell only if it is `alone`; False if the pool is broken and did not take it."""
         try:
             with interrupts_held():
-                future = self._pool.pool.submit(solve_batch, self._plan, batch.first() if alone else batch)
+                future = self._pool.pool.submit(solve_batch, self._job, batch.first() if alone else batch)
         except BrokenProcessPool:
             self._waiting.appendleft(batch)
             if not self._submitted:
@@ -225,7 +156,7 @@ class _Run:
     def _take(self, batch: Batch, solved: Solved) -> None:
         """Deliver what was solved, and put what is left of the batch at the head of its queue."""
         self._waiting.extend(self._deliver(solved))
-        left = after(batch, len(solved.points), solved.section)
+        left = batch.after(len(solved.points), solved.section)
         if left is not None:
             suspected = time.monotonic() < self._suspicion_ends
             (self._suspected if suspected else self._waiting).appendleft(left)
@@ -239,7 +170,7 @@ class _Run:
             self._deaths[cell] += 1
             if len(lost) == 1 and self._deaths[cell] >= MOST_DEATHS:
                 self._take(
-                    batch, given_up(self._plan, batch, f"the process that solved it died {self._deaths[cell]} times")
+                    batch, given_up(self._job, batch, f"the process that solved it died {self._deaths[cell]} times")
                 )
             else:
                 self._suspected.append(batch)

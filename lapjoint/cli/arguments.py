@@ -1,4 +1,4 @@
-"""What a person chose on the command line: the problem, the solver, contact states, and files to write."""
+"""The meaning of arguments: the problem, the solver, axes, contact states, places, and files to write."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from typing import Any
 
 import numpy as np
 
-from lapjoint import ContactState, Problem, contact_states, paper_joint, paper_state_number, sdnl104
+from lapjoint import ContactState, Problem, contact_states, paper_state_number
 from lapjoint.answers.contact_state import can_be_closed, is_paper_joint
 from lapjoint.answers.series import check_series
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import PLACES, large_allowed
+from lapjoint.cli.options import DRAWINGS, FIGURES, AnswerFiles, SolverChoice, large_allowed
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
-from lapjoint.problem.override import override, toml_value
+from lapjoint.problem.override import override
+from lapjoint.problem.presets import PRESETS
 from lapjoint.scene.frame_times import check_frames
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 
 MOST_STOPS = 100
-"""Largest number of stops that is taken without being asked for: more take minutes."""
+"""Largest number of stops without --large: more take minutes."""
 STOPS_NAMED = 20
 """Largest number of stops that a message names."""
-PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
 
 
 def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
-    """The problem in a TOML file or a preset, with the changes asked for by ``--set``."""
+    """The problem in a TOML file or a preset, with the changes by ``--set``."""
     kind, colon, name = source.partition(":")
     if kind == "preset" and colon:
         if name not in PRESETS:
@@ -53,35 +53,16 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
     return found
 
 
-def solver_from(solver_name: str, n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> Solver:
-    """The solver with this name, with the numerical options given."""
-    return make_solver(solver_name, **options_from(n_modes, elements, options))
-
-
 def named_solver(text: str) -> Solver:
     """A solver as one option names it: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
     name, colon, options = text.partition(":")
-    return make_solver(name, **options_from(None, None, tuple(options.split(",")) if colon else ()))
+    return SolverChoice(name, options=tuple(options.split(",")) if colon else ()).make()
 
 
 def other_name(text: str, taken: Collection[str]) -> str:
     """A short name for the solver that `text` names, different from those taken."""
     name = text.partition(":")[0]
     return name if name not in taken else f"{name}-2"
-
-
-def options_from(n_modes: int | None, elements: int | None, options: tuple[str, ...]) -> dict[str, Any]:
-    """The numerical options given."""
-    chosen: dict[str, Any] = {}
-    for option in options:
-        key, equals, value = option.partition("=")
-        if not equals or not key.strip():
-            raise InputError(f"--option {option}: must be key=value")
-        chosen[key.strip().replace("-", "_")] = toml_value(value)
-    for key, number in (("n_modes", n_modes), ("elements", elements)):
-        if number is not None:
-            chosen[key] = number
-    return chosen
 
 
 def axes_from(
@@ -155,10 +136,9 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
 
 
 def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """The ways in which a text is a list of names joined by ``+``, which may be in names too, as indices.
+    """Up to two readings of a text as names of stops joined by ``+``, which names may contain, too; as indices.
 
-    A name in quotes is that of one stop.  Different spellings of one set of stops are one way; more than two are not
-    looked for.
+    A name in quotes is that of one stop.  Different spellings of one set of stops are one reading.
     """
     number = dict(zip((name.strip() for name in names), range(len(names)), strict=True))
     longest = 1 + max((name.count("+") for name in names), default=0)
@@ -198,7 +178,7 @@ def size_from(text: str | None) -> tuple[int, int] | None:
 
 
 def refuse(reason: str, **given: object) -> None:
-    """Refuse options that mean nothing here: those whose value is neither None nor False."""
+    """Refuse options that are given, with a value other than None and False, but mean nothing here."""
     for name, value in given.items():
         if value is not None and value is not False:
             raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
@@ -220,17 +200,22 @@ def places_from(text: str) -> list[float]:
     raise InputError(f"--at {text}: must be x= and numbers with commas between them, in m, as in x=2.5,1.25")
 
 
-def series_from(
-    problem: Problem, path: str | None, at: str | None, quantity: str | None, rate: float | None, duration: float | None
-) -> dict[str, Any]:
-    """What `time_series` is to take, refused before any work is done where it could not be written after it."""
-    if path is None:
-        refuse("no series is written without --series FILE", quantity=quantity, rate=rate)
+def check_answer_files(files: AnswerFiles) -> None:
+    """Refuse, before any work is done, names of files that could not be written after it."""
+    check_file("--contacts", files.contacts, ".csv", ".json")
+    check_file("--series", files.series, ".nc", ".csv")
+    check_file("--figure", files.figure, *FIGURES)
+
+
+def series_from(problem: Problem, files: AnswerFiles, duration: float | None) -> dict[str, Any]:
+    """The arguments of `time_series`, refused before any work is done if they are impossible."""
+    if files.series is None:
+        refuse("no series is written without --series FILE", quantity=files.quantity, rate=files.rate)
         return {}
     wanted: dict[str, Any] = {
-        "at": None if at is None else places_from(at),
-        "quantities": None if quantity is None else names_from(quantity),
-        "rate": rate,
+        "at": None if files.at is None else places_from(files.at),
+        "quantities": None if files.quantity is None else names_from(files.quantity),
+        "rate": files.rate,
     }
     check_series(problem, **wanted, duration=duration)
     return wanted
@@ -270,28 +255,26 @@ def _followed(option: str, path: str) -> Path:
         raise OutputError(f"{option} {path}: cannot be written: {error}") from None
 
 
-def drawing_from(
-    problem: Problem, figure: str | None, draw: str | None, at: str | None, elsewhere: bool
-) -> dict[str, Any]:
-    """The places that a figure is to take, with all that could not be drawn refused before any work is done.
+def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[str, Any]:
+    """The arguments of a figure: its places; refused before any work is done if it cannot be drawn.
 
-    `elsewhere` says whether the places mean something without a figure too.
+    `elsewhere` says whether --at means something without a figure, too.
     """
-    if draw and not figure:
+    draw, at = files.draw, files.at
+    if draw and not files.figure:
         raise InputError(f"--draw {draw}: nothing is drawn without --figure FILE")
     if draw == "poincare":
         problem.require_excitation_frequency("--draw poincare")
     name = draw or "motion"
-    if at is None or not figure or name not in PLACES:
+    most = DRAWINGS[name].most_places
+    if at is None or not files.figure or not most:
         if not elsewhere:
             refuse("there is neither a series nor a figure that shows places", at=at)
         return {}
     places = [problem.require_position(x) for x in places_from(at)]
-    if not PLACES[name]:
-        return {"x": places}
-    if len(places) > PLACES[name]:
+    if len(places) > most:
         raise InputError(f"--at {at}: figure {name} shows one place; give one")
-    return {"x": places[0]}
+    return {"x": places[0] if most == 1 else places}
 
 
 def check_directory(path: str) -> None:

@@ -1,4 +1,4 @@
-"""What a person chose for ``lapjoint basins``, as a plan."""
+"""The plan of ``lapjoint basins`` from its options."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint import Problem
-from lapjoint.campaigns.basin_plan import BasinPlan
+from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
 from lapjoint.cli.arguments import refuse
 from lapjoint.errors import InputError
@@ -34,7 +34,7 @@ def plan_from(
     values: int | None,
     effort: int | None,
 ) -> BasinPlan:
-    """The plan of what was chosen; options that mean nothing together are refused."""
+    """The plan of the options; options that mean nothing together are refused."""
     if plane is None and energy is None:
         raise InputError('basins: no starts are chosen; give --plane "z(X),v(X)", or --energy J for random ones')
     if plane is not None:

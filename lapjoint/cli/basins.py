@@ -8,7 +8,7 @@ import click
 
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, problem_options, solver_options
+from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -26,38 +26,22 @@ from lapjoint.cli.options import FIGURES, problem_options, solver_options
     metavar="A:A,B:B",
     help="First and last value of A and of B, m or m/s, as in -0.1:0.1,-20:20.  [default: by base motion and gap]",
 )
-@click.option("--energy", type=float, metavar="J", help="Random starts instead, of at most this energy.")
+@click.option("--energy", type=float, metavar="J", help="Random starts of at most this energy, instead of a plane.")
 @click.option("--starts", type=int, help="Number of random starts.  [default: 1000]")
 @click.option("--seed", type=int, help="Seed of the random starts.  [default: 0]")
-@click.option("--over", metavar="PATH", help="A number of the problem, as --set takes it: all this for each value.")
-@click.option("--from", "first", type=float, help="Its first value.")
-@click.option("--to", "last", type=float, help="Its last value.")
-@click.option("--values", type=int, help="Number of its values.")
+@click.option("--over", metavar="PATH", help="A parameter, as --set takes it: find the basins at each of its values.")
+@click.option("--from", "first", type=float, help="First value of the parameter.")
+@click.option("--to", "last", type=float, help="Last value of the parameter.")
+@click.option("--values", type=int, help="Number of values of the parameter.")
 @click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
-@click.option(
-    "-o",
-    "--out",
-    required=True,
-    metavar="FILE",
-    type=FILE,
-    help="Where the dataset goes: .nc; resumed if not finished.",
-)
 @click.option("--figure", metavar="FILE", type=FILE, help="Draw the basins to FILE: .png, .svg or .pdf.")
-@click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors.")
-@click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786.")
-@click.option("--force", is_flag=True, help="Throw away something else that is in FILE.")
+@campaign_options(out_required=True)
 def basins(
     problem: str,
     overrides: tuple[str, ...],
-    solver_name: str,
-    n_modes: int | None,
-    elements: int | None,
-    options: tuple[str, ...],
-    out: str,
     figure: str | None,
-    workers: int,
-    scheduler: str | None,
-    force: bool,
+    solver: SolverChoice,
+    work: Work,
     **chosen: Any,
 ) -> None:
     """Find which motion of PROBLEM each of many starts ends in.
@@ -66,19 +50,17 @@ def basins(
     command resumes.
     """
     from lapjoint.campaigns import solve_basins
-    from lapjoint.campaigns.basin_dataset import UNBOUND_CLASSES
+    from lapjoint.campaigns.basins.table import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
     from lapjoint.cli.basin_printing import print_basins
     from lapjoint.cli.finding import found_or_stored
 
-    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--out", work.out, ".nc")
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
-    plan = plan_from(this, solver_name, arguments.options_from(n_modes, elements, options), **chosen)
-    found = found_or_stored(
-        plan, "basins", "these basins", solve_basins, out=out, force=force, workers=workers, scheduler=scheduler
-    )
+    plan = plan_from(this, solver.name, solver.numerics, **chosen)
+    found = found_or_stored(plan, "basins", "these basins", solve_basins, work)
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

@@ -1,11 +1,10 @@
-"""The command ``lapjoint branch``: periodic motions followed while a number of the problem changes."""
+"""The command ``lapjoint branch``: continuation of periodic motions in a parameter of the problem."""
 
 from __future__ import annotations
 
 import click
 
-from lapjoint.cli.completing import FILE
-from lapjoint.cli.options import campaign_options, problem_options, solver_options
+from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -17,13 +16,10 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
     default="base_motion.angular_frequency",
     show_default=True,
     metavar="PATH",
-    help="The number of the problem that changes, as in stops.*.gap.",
+    help="The parameter that changes, as in stops.*.gap.",
 )
 @click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end.")
-@click.option(
-    "-o", "--out", required=True, metavar="FILE", type=FILE, help="Where it goes: .nc; resumed if not finished."
-)
 @click.option(
     "--max-period-multiple",
     type=int,
@@ -51,42 +47,42 @@ from lapjoint.cli.options import campaign_options, problem_options, solver_optio
     type=int,
     default=100_000,
     show_default=True,
-    help="Follow no further branch once all have so many points, each counted by its period multiple.",
+    help="Points of all branches, each times its period multiple, after which no further branch is followed.",
+)
+@click.option(
+    "--from-grazes",
+    is_flag=True,
+    help="Also look beside each graze for motions that have its contact every second period alone.",
 )
 @click.option(
     "--also-over",
     "second",
     metavar="PATH=VALUES",
-    help="Do all this for values of another number, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    help="Do all this for values of a second parameter, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08: the loci of bifurcations in both.",
 )
-@campaign_options
+@campaign_options(out_required=True)
 def branch(
     problem: str,
     overrides: tuple[str, ...],
-    solver_name: str,
-    n_modes: int | None,
-    elements: int | None,
-    options: tuple[str, ...],
     path: str,
     first: float,
     last: float,
-    out: str,
     max_period_multiple: int,
     starts: int,
     seed: int,
     errors: bool,
     max_points: int,
     effort: int,
+    from_grazes: bool,
     second: str | None,
-    workers: int,
-    scheduler: str | None,
-    force: bool,
+    solver: SolverChoice,
+    work: Work,
 ) -> None:
-    """Follow the periodic motions of PROBLEM, stable or not, while one of its numbers changes.
+    """Follow the periodic motions of PROBLEM, stable or not, while one of its parameters changes.
 
     Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
-    two numbers.  Interrupted in any way, the same command resumes.
+    two parameters.  Interrupted in any way, the same command resumes.
     """
     from lapjoint.campaigns.branches.running import find_branches
     from lapjoint.campaigns.branches.spec import BranchSpec
@@ -94,22 +90,25 @@ def branch(
     from lapjoint.cli.branch_printing import is_whole, print_branches
     from lapjoint.cli.finding import found_or_stored
 
-    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--out", work.out, ".nc")
     this = arguments.problem_from(problem, overrides)
-    numerics = arguments.options_from(n_modes, elements, options)
     also_over = None if second is None else arguments.axis_from(second, "--also-over")
-    how = max_period_multiple, starts, seed, errors, max_points, effort, also_over
-    plan = BranchSpec(this, path, first, last, solver_name, numerics, *how)
-    found = found_or_stored(
-        plan,
-        "branch",
-        "these branches",
-        find_branches,
-        out=out,
-        force=force,
-        search=True,
-        workers=workers,
-        scheduler=scheduler,
+    plan = BranchSpec(
+        this,
+        path,
+        first,
+        last,
+        solver.name,
+        solver.numerics,
+        max_period_multiple=max_period_multiple,
+        starts=starts,
+        seed=seed,
+        errors=errors,
+        max_points=max_points,
+        effort=effort,
+        also_over=also_over,
+        from_grazes=from_grazes,
     )
+    found = found_or_stored(plan, "branch", "these branches", find_branches, work, search=True)
     print_branches(found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

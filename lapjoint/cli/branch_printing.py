@@ -1,4 +1,4 @@
-"""What the command line prints of branches."""
+"""Branches as the command line shows them."""
 
 from __future__ import annotations
 
@@ -8,34 +8,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.cli.echo import echo
-from lapjoint.figures.branch_names import bifurcation_name, locus_name, number_of, second_number_of
+from lapjoint.figures.branch_names import bifurcation_name, locus_name, parameter_of, second_parameter_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 ROWS_SHOWN = 40
 _AT_END = 1e-9
-"""Distance from an end of the range, over its size, up to which a point is at it."""
+"""Distance from an end of the range, over the size of the range, within which a point is at the end."""
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
-    """Whether branches were found, and all that began was followed to its end."""
+    """Whether branches were found, and all were followed to their ends."""
     ends = {*dataset.branch_first_end.values, *dataset.branch_last_end.values}
     failed = int(dataset.sizes.get("failure", 0))
     return bool(ends) and not ends & {"lost", "effort", "contacts"} and not int(dataset.left_out.sum()) and not failed
 
 
 def print_branches(dataset: xr.Dataset) -> None:
-    """Print each branch in a line, with its bifurcations below; with a second number, the loci of these instead.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    """
+    """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
-    if second_number_of(dataset) is None:
+    if second_parameter_of(dataset) is None:
         for i in range(dataset.branch_first_end.size):
             _print_branch(dataset, i)
         if "uncovered_from" not in dataset:
@@ -47,7 +41,7 @@ def print_branches(dataset: xr.Dataset) -> None:
 
 def _print_branch(dataset: xr.Dataset, i: int) -> None:
     mine = np.flatnonzero(dataset.branch.values == i)
-    values, stable = dataset[number_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
+    values, stable = dataset[parameter_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
     multiple = int(dataset.period_multiple.values[mine[0]])
     ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
     echo(
@@ -59,8 +53,8 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
-    """The ends of the range to which no branch comes, though a march from rest has begun at each."""
-    values, most = dataset[number_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
+    """Print the ends of the range that no branch reaches, though a march from rest began there."""
+    values, most = dataset[parameter_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
     for end in np.asarray(dataset.attrs["range"]) if values.size and not missing else ():
@@ -69,8 +63,8 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
 
 
 def _print_loci(dataset: xr.Dataset) -> None:
-    """The longest loci first, each in a line with both its ends."""
-    second = dataset[second_number_of(dataset)]
+    """Print each locus in a line with both its ends, the longest first."""
+    second = dataset[second_parameter_of(dataset)]
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"
     echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; {found}")
@@ -92,6 +86,7 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
         echo(f"effort = {dataset.attrs['effort']} is spent: the branches of {motions} were not followed")
     for i in range(int(dataset.sizes.get("uncovered", 0))):
         echo(_uncovered_text(dataset, i))
+    echo(_unknown_text(dataset))
     for reason in dataset.failure_message.values if "failure_message" in dataset else ():
         echo(f"not followed: {reason}")
 
@@ -99,27 +94,38 @@ def _print_what_is_missing(dataset: xr.Dataset) -> None:
 def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
     """A part of the range that no branch covers, in a sentence."""
     first, last = (float(dataset[f"uncovered_{name}"].values[i]) for name in ("from", "to"))
-    also = second_number_of(dataset)
+    also = second_parameter_of(dataset)
     where = "" if also is None else f" at {also} = {float(dataset.uncovered_also_over.values[i]):.6g}"
     why = str(dataset.uncovered_why.values[i])
     return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
 
 
+def _unknown_text(dataset: xr.Dataset) -> str:
+    """How likely it is that a branch is unknown, in a sentence; with a second number, on average over its values."""
+    from lapjoint.campaigns.branches.unknown import Reached
+
+    if not int(dataset.attrs["starts"]):
+        return "no random starts were made, which would tell how likely a further branch is: see --starts"
+    also = second_parameter_of(dataset)
+    where = "" if also is None else f" at each of {dataset[also].size} values of {dataset[also].attrs['path']}"
+    starts, branches, alone = (int(dataset[f"starts_{name}"].sum()) for name in ("stable", "branches", "alone"))
+    reached = Reached(starts, branches, alone)
+    first = f"{_counted(int(dataset.attrs['starts']), 'random start')}{where}: {starts} led to stable motions"
+    if reached.probability is None:
+        return f"{first}, so that nothing is known of further branches"
+    return (
+        f"{first} on {_counted(branches, 'branch', 'es')}, to {alone or 'none'} of which nothing else led; another one "
+        f"that leads to a stable motion would find an unknown branch with a probability of about "
+        f"{100 * reached.probability:.2g} % (95 %: below {100 * reached.bound:.2g} %)"
+    )
+
+
+def _counted(count: int, name: str, ending: str = "s") -> str:
+    return f"{count} {name}{'' if count == 1 else ending}"
+
+
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """A bifurcation in a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of branches.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        Its value with its error, its name and, of a graze, the stop and what the branch does there.
-    """
+    """Bifurcation `j` in a line: value, error and name; of a graze also the stop, and how the branch goes on."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

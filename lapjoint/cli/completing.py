@@ -1,6 +1,6 @@
-"""What the Tab key offers for a value: files, directories, presets, solvers.  The names of options click knows itself.
+"""Values that the Tab key offers: files, directories, presets, solvers; click offers the names of options.
 
-The values themselves are plain text to click; what they mean is checked where they are used.
+The values are plain text to click; commands check them where they use them.
 """
 
 from __future__ import annotations
@@ -13,29 +13,21 @@ from click.types import StringParamType
 
 
 class Offering(StringParamType):
-    """A text, for which names are offered, and files or directories.
-
-    Parameters
-    ----------
-    names : callable, optional
-        Gives the names, when they are asked for.
-    paths : {"file", "dir"}, optional
-        What the shell is to offer besides.
-    """
+    """A text for which the Tab key offers names, which a function gives, and paths: "file", "dir" or none."""
 
     def __init__(self, names: Callable[[], Iterable[str]] | None = None, paths: str | None = None) -> None:
         self._names = names
         self._paths = paths
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """What is offered for a value that begins so."""
+        """The offers for a value that begins with `incomplete`."""
         names = () if self._names is None else self._names()
         found = [CompletionItem(name) for name in names if name.startswith(incomplete)]
         return found if self._paths is None else [*found, CompletionItem(incomplete, type=self._paths)]
 
 
 def _presets() -> list[str]:
-    from lapjoint.cli.arguments import PRESETS
+    from lapjoint.problem.presets import PRESETS
 
     return [f"preset:{name}" for name in PRESETS]
 

@@ -1,4 +1,4 @@
-"""What the command line prints of a confirmation."""
+"""A confirmation as the command line shows it."""
 
 from __future__ import annotations
 
@@ -23,13 +23,7 @@ def all_agree(dataset: xr.Dataset) -> bool:
 
 
 def print_confirmed(dataset: xr.Dataset) -> None:
-    """Print a table of verdicts by kind, and each bifurcation on which the solvers do not agree.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a confirmation.
-    """
+    """Print a table of verdicts by kind, and each bifurcation on which the solvers do not agree."""
     kind, verdict = dataset.kind.values, dataset.verdict.values
     echo(f"{dataset.attrs['first_solver']}, and {dataset.attrs['solver_name']}:")
     echo(_line("", [*VERDICTS, "largest ratio", "largest errors"]))
@@ -46,20 +40,7 @@ def print_confirmed(dataset: xr.Dataset) -> None:
 
 
 def disagreement_text(dataset: xr.Dataset, j: int) -> str:
-    """A bifurcation on which the solvers do not agree, in a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a confirmation.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        Its number in the file, both values with their errors, and the verdict.
-    """
+    """Bifurcation `j`, on which the solvers do not agree, in a line with both values, their errors and the verdict."""
     row = dataset.isel(bifurcation=j)
     own = f"{float(row.value):.9g} ± {float(row.error):.1g}"
     other = f"{float(row.other_value):.9g} ± {float(row.other_error):.1g}"
@@ -69,7 +50,7 @@ def disagreement_text(dataset: xr.Dataset, j: int) -> str:
 
 
 def _largest(dataset: xr.Dataset, mine: np.ndarray) -> list[str]:
-    """The largest ratio, and the largest stated errors over the value by both solvers."""
+    """The largest ratio, and the largest stated errors of both solvers over the value."""
     found = mine & np.isfinite(dataset.ratio.values)
     if not found.any():
         return ["-", "-"]

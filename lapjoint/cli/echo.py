@@ -1,4 +1,4 @@
-"""Printing for the commands: what a terminal would take for a control sequence is printed as text."""
+"""Printing for the commands: control sequences are printed as text."""
 
 from __future__ import annotations
 
@@ -8,15 +8,5 @@ from lapjoint.files.plain_text import escaped
 
 
 def echo(text: str = "", *, err: bool = False, nl: bool = True) -> None:
-    """Print text, whatever names from files and arguments are in it.
-
-    Parameters
-    ----------
-    text : str
-        One or several lines.
-    err : bool
-        Whether it goes to standard error, and not to standard output.
-    nl : bool
-        Whether an end of line follows.
-    """
+    """Print text that may hold names from files and arguments, to standard output or, with `err`, standard error."""
     click.echo(escaped(text), err=err, nl=nl)

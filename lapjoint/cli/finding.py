@@ -3,62 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lapjoint.cli.echo import echo
+from lapjoint.cli.options import Work
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.campaign import Kept
+    from lapjoint.campaigns.job import Spec
 
 
 def found_or_stored(
-    plan: Kept,
+    plan: Spec,
     title: str,
     holds: str,
     find: Callable[..., xr.Dataset],
+    work: Work,
     *,
-    out: str | None,
-    force: bool,
     search: bool = False,
-    **how: Any,
 ) -> xr.Dataset:
-    """The dataset of a plan, from its file if it is finished there; else found, with progress shown.
+    """The dataset of a plan: from its file if it is finished there, else found, with progress under a `title`.
 
-    Parameters
-    ----------
-    plan : Kept
-        The work.
-    title : str
-        What progress is headed.
-    holds : str
-        What is said of a file that holds it already, as "this sweep".
-    find : callable
-        Finds it: takes the plan, `out`, `force`, `progress` and what `how` holds.
-    out : str or None
-        Its file.
-    force : bool
-        Whether something else in the file may be thrown away.
-    search : bool
-        Whether what is found leads to more work, so that the time that is left cannot be told.
-    **how : object
-        Further keywords of `find`, as ``workers``.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
+    `holds` says what a finished file has, as "this sweep".  With `search`, work leads to more work, and no time left is
+    told.  `find` takes the plan, `progress` and the fields of `work`.
     """
     from lapjoint.campaigns import stored
     from lapjoint.cli.progress import shown_points, shown_search
 
-    there = None if out is None else stored(plan, out, force=force)
+    there = None if work.out is None else stored(plan, work.out, force=work.force)
     if there is not None:
-        echo(f"{out}: holds {holds} already, finished")
+        echo(f"{work.out}: holds {holds} already, finished")
         return there
     with (shown_search if search else shown_points)(title) as progress:
-        found = find(plan, out=out, force=force, progress=progress, **how)
-    if out is not None:
-        echo(f"Wrote {out}")
+        found = find(plan, progress=progress, **work._asdict())
+    if work.out is not None:
+        echo(f"Wrote {work.out}")
     return found

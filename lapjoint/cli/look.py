@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import click
 
 from lapjoint.cli.completing import DIRECTORY, FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.motions import find_motions
-from lapjoint.cli.options import large_allowed, motion_options, problem_options, solver_options
+from lapjoint.cli.options import (
+    MotionChoice,
+    SolverChoice,
+    large_allowed,
+    motion_options,
+    problem_options,
+    solver_options,
+)
 
 
 @click.command()
@@ -35,16 +42,13 @@ def export(
     problem: str,
     overrides: tuple[str, ...],
     directory: str,
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
+    motion: MotionChoice,
     state: str | None,
     file_format: Literal["pvd", "vtkhdf", "xdmf"],
     frames: int | None,
     times: str | None,
     points: int,
-    n_modes: int | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Write the motion of PROBLEM, or its mode shapes, to DIR for ParaView: open DIR/motion.pvd.
 
@@ -60,20 +64,18 @@ def export(
     check_points(points)
     at = arguments.times_from(frames, times)
     if state is not None:
-        arguments.refuse(
-            "mode shapes have none", duration=duration, steady=steady_state, beside=beside, frames=frames, times=times
-        )
-        this, answering = arguments.problem_from(problem, overrides), arguments.solver_from(n_modes=None, **solver)
-        count = MODES if n_modes is None else n_modes
+        chosen = {"duration": motion.duration, "steady": motion.steady_state, "beside": motion.beside}
+        arguments.refuse("mode shapes have none", **chosen, frames=frames, times=times)
+        this, answering = arguments.problem_from(problem, overrides), solver._replace(n_modes=None).make()
+        count = MODES if solver.n_modes is None else solver.n_modes
         answers = [answering.modes(this, one, count) for one in arguments.states_from(this, state)]
         written = export_modes(this, answers, directory, solver=answering.name, format=file_format, points=points)
         echo("\n".join(f"Wrote {path}" for path in written))
         return
-    solver["n_modes"] = n_modes
-    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    found = find_motions(problem, overrides, motion, solver)
     with shown_progress("export") as progress:
         path = export_motion(
-            motion,
+            found,
             directory,
             format=file_format,
             times=at,
@@ -114,9 +116,7 @@ def export(
 def show(
     problem: str,
     overrides: tuple[str, ...],
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
+    motion: MotionChoice,
     output: str | None,
     at: float | None,
     frames: int | None,
@@ -125,7 +125,7 @@ def show(
     scale: float | None,
     absolute: bool,
     size: str | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Show the motion of PROBLEM in three dimensions: in a window, as a picture, or as a film.
 
@@ -146,16 +146,16 @@ def show(
     if output is None:
         arguments.refuse("a window has none", pace=pace)
     scene.check_can_show(output)
-    motion = find_motions(problem, overrides, duration, steady_state, beside, solver)
+    found = find_motions(problem, overrides, motion, solver)
     number = 60 if frames is None else frames
     if output is None:
-        scene.show_window(motion, frames=number, look=look)
+        scene.show_window(found, frames=number, look=look)
         return
     if picture:
-        scene.save_picture(motion, output, at=at, look=look)
+        scene.save_picture(found, output, at=at, look=look)
     else:
         with shown_progress("draw") as progress:
             scene.save_film(
-                motion, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
+                found, output, frames=number, pace=20.0 if pace is None else pace, look=look, progress=progress
             )
     echo(f"Wrote {output}")

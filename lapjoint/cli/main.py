@@ -104,10 +104,10 @@ def _said(message: str, status: int) -> int:
 
 
 def _not_written(error: OSError) -> int:
-    """The exit status after an error of the system that nothing else has put into words.
+    """The exit status after an error of the system in a temporary file or in standard output.
 
-    It is one of a temporary file, or of standard output, which is sent nowhere then, because Python would write there
-    again when it ends.  A pipe whose reader has gone needs no message.
+    Standard output is then sent nowhere, as Python would write to it again when it ends.  A pipe whose reader has gone
+    needs no message.
     """
     with suppress(OSError, ValueError):
         try:
@@ -120,7 +120,7 @@ def _not_written(error: OSError) -> int:
 
 
 def _show_warnings() -> None:
-    """Print what is said of damaged files and of the excitation as all messages are."""
+    """Print warnings of damaged files and of the excitation as messages of the command."""
     from lapjoint.errors import DamageWarning, ExcitationWarning
 
     show: Any = warnings.showwarning

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from lapjoint import History, Problem, SteadyState
+    from lapjoint.cli.options import MotionChoice, SolverChoice
     from lapjoint.solver import Solver
 
 
@@ -29,26 +30,23 @@ def find_steady_state(problem: Problem, solver: Solver, errors: bool) -> SteadyS
 def find_motions(
     source: str,
     overrides: tuple[str, ...],
-    duration: float | None,
-    steady_state: bool,
-    beside: str | None,
-    solver: dict[str, Any],
+    motion: MotionChoice,
+    solver: SolverChoice,
 ) -> dict[str, History]:
-    """The motion asked for, by the name of its solver, and that of the solver beside it."""
+    """The chosen motion by the name of its solver, and that of the second solver, if any."""
     from lapjoint.cli import arguments
     from lapjoint.errors import InputError
 
-    if (duration is None) != steady_state:
+    if (motion.duration is None) != motion.steady_state:
         raise InputError("--duration, --steady: give one of them")
-    if duration is not None:
-        arguments.check_duration(duration)
+    arguments.check_duration(motion.duration)
     this = arguments.problem_from(source, overrides)
-    solvers = {solver["solver_name"]: arguments.solver_from(**solver)}
-    if beside is not None:
-        solvers[arguments.other_name(beside, solvers)] = arguments.named_solver(beside)
+    solvers = {solver.name: solver.make()}
+    if motion.beside is not None:
+        solvers[arguments.other_name(motion.beside, solvers)] = arguments.named_solver(motion.beside)
     return {
         name: find_steady_state(this, one, False).history
-        if duration is None
-        else find_motion(this, one, duration, False)
+        if motion.duration is None
+        else find_motion(this, one, motion.duration, False)
         for name, one in solvers.items()
     }

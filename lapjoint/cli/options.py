@@ -2,26 +2,105 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import wraps
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar, cast
 
 import click
 
 from lapjoint.cli.completing import FILE, PROBLEM, SOLVER
+from lapjoint.errors import InputError
+
+if TYPE_CHECKING:
+    from lapjoint.solver import Solver
 
 FIGURES = (".png", ".svg", ".pdf")
+
+
+class Drawing(NamedTuple):
+    """A figure of a motion."""
+
+    function: str
+    """Name of the function of `lapjoint.figures` that draws it."""
+    most_places: float
+    """Largest number of places along the beam that the figure can show."""
+
+
 DRAWINGS = {
-    "motion": "plot_motion",
-    "phase": "plot_phase_portrait",
-    "poincare": "plot_poincare_section",
-    "impulses": "plot_contact_impulses",
-    "states": "plot_contact_states",
-    "spectrum": "plot_spectrum",
+    "motion": Drawing("plot_motion", math.inf),
+    "phase": Drawing("plot_phase_portrait", 1),
+    "poincare": Drawing("plot_poincare_section", 1),
+    "impulses": Drawing("plot_contact_impulses", 0),
+    "states": Drawing("plot_contact_states", 0),
+    "spectrum": Drawing("plot_spectrum", 1),
 }
-"""Functions of `lapjoint.figures` by their names on the command line."""
-PLACES = {"motion": 0, "phase": 1, "poincare": 1, "spectrum": 1}
-"""Number of places that those figures show that choose some; 0: any."""
+"""Figures of a motion by their names on the command line."""
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class SolverChoice(NamedTuple):
+    """The solver that was chosen, and its numerical options as they were given."""
+
+    name: str
+    n_modes: int | None = None
+    elements: int | None = None
+    options: tuple[str, ...] = ()
+    """Further numerical options, ``key=value`` each."""
+
+    @property
+    def numerics(self) -> dict[str, Any]:
+        """All numerical options that were given, by their names."""
+        from lapjoint.problem.override import toml_value
+
+        chosen: dict[str, Any] = {}
+        for option in self.options:
+            key, equals, value = option.partition("=")
+            if not equals or not key.strip():
+                raise InputError(f"--option {option}: must be key=value")
+            chosen[key.strip().replace("-", "_")] = toml_value(value)
+        numbers = {"n_modes": self.n_modes, "elements": self.elements}
+        return chosen | {key: number for key, number in numbers.items() if number is not None}
+
+    def make(self) -> Solver:
+        """The solver."""
+        from lapjoint.solver import make_solver
+
+        return make_solver(self.name, **self.numerics)
+
+
+class MotionChoice(NamedTuple):
+    """Which motion was chosen."""
+
+    duration: float | None
+    """Time from the initial state, s; None for the steady state."""
+    steady_state: bool
+    beside: str | None
+    """A second solver, ``NAME`` or ``NAME:KEY=VALUE,...``, whose motion stands beside."""
+
+
+class AnswerFiles(NamedTuple):
+    """The files to which an answer is written, and their contents."""
+
+    contacts: str | None
+    series: str | None
+    at: str | None
+    """Places of the series and of the figure, as ``x=2.5,1.25``."""
+    quantity: str | None
+    rate: float | None
+    figure: str | None
+    draw: str | None
+    """The figure, a name of `DRAWINGS`."""
+
+
+class Work(NamedTuple):
+    """Where a campaign's dataset goes, and who does the work."""
+
+    out: str | None
+    workers: int
+    scheduler: str | None
+    force: bool
+    """Whether a file of another campaign may be thrown away."""
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
@@ -67,30 +146,44 @@ problem_options = together(
     ),
     click.argument("problem", type=PROBLEM),
 )
-"""PROBLEM, --set to change parts of it, and --large to allow what takes long or much room."""
+"""PROBLEM, --set to change values of it, and --large to allow much time or room."""
 
-solver_options = together(
-    click.option(
-        "--option",
-        "options",
-        multiple=True,
-        metavar="KEY=VALUE",
-        help="Any numerical option of the solver; repeatable.",
-    ),
-    click.option("--elements", type=int, help="Number of elements of the FE solver."),
-    click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
-    click.option(
-        "--solver",
-        "solver_name",
-        type=SOLVER,
-        default="analytic",
-        show_default=True,
-        help="analytic, fe, or another installed.",
-    ),
-)
-"""--solver, and its numerical options."""
 
-figure_options = together(
+def as_one(record: type[Any], name: str) -> Callable[[Command], Command]:
+    """A decorator for a command that takes the options named as the fields of a record as one argument."""
+
+    def decorate(command: Command) -> Command:
+        @wraps(command)
+        def called(**given: Any) -> Any:
+            fields = {field: given.pop(field) for field in record._fields}
+            return command(**given, **{name: record(**fields)})
+
+        return cast(Command, called)
+
+    return decorate
+
+
+def solver_options_with(default: str, help_text: str) -> Callable[[Command], Command]:
+    """--solver, and its numerical options: the argument ``solver`` of a command, a `SolverChoice`."""
+    return together(
+        as_one(SolverChoice, "solver"),
+        click.option(
+            "--option",
+            "options",
+            multiple=True,
+            metavar="KEY=VALUE",
+            help="Any numerical option of the solver; repeatable.",
+        ),
+        click.option("--elements", type=int, help="Number of elements of the FE solver."),
+        click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
+        click.option("--solver", "name", type=SOLVER, default=default, show_default=True, help=help_text),
+    )
+
+
+solver_options = solver_options_with("analytic", "analytic, fe, or another installed.")
+
+answer_options = together(
+    as_one(AnswerFiles, "files"),
     click.option(
         "--draw",
         type=click.Choice(list(DRAWINGS)),
@@ -98,14 +191,15 @@ figure_options = together(
         "contacts, contact states over time, or amplitude spectrum.",
     ),
     click.option("--figure", metavar="FILE", type=FILE, help="Draw the answer to FILE: .png, .svg or .pdf."),
-)
-"""--figure, and --draw to say what it shows."""
-
-series_options = together(
+    click.option(
+        "--errors/--no-errors",
+        default=True,
+        show_default=True,
+        help="Estimate the numerical errors too; takes up to as long again.",
+    ),
     click.option("--rate", type=float, metavar="HZ", help="Samples a second of --series.  [default: by its modes]"),
     click.option(
         "--quantity",
-        "quantity",
         metavar="NAME,NAME,..",
         help="What --series holds: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
         "absolute_velocity, absolute_acceleration, moment, shear, stress, force (of each stop).  "
@@ -117,26 +211,36 @@ series_options = together(
         help="Places of --series, of a figure, and of what steady prints, m.  [default: the stops and the free ends; "
         "of a spectrum, where it moves most]",
     ),
-    click.option("--series", "series_path", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
+    click.option("--series", "series", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
+    click.option("--contacts", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."),
 )
-"""--series, and what it holds."""
+"""The files of an answer, the argument ``files`` of a command, an `AnswerFiles`, and --errors."""
 
-campaign_options = together(
-    click.option("--force", is_flag=True, help="Throw away what else of this kind is in FILE."),
-    click.option("--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786."),
-    click.option("--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors."),
-)
-"""Who does work that is done cell by cell, and what may be thrown away for it."""
 
-errors_option = click.option(
-    "--errors/--no-errors",
-    default=True,
-    show_default=True,
-    help="Estimate the numerical errors too; takes up to as long again.",
-)
-"""--errors, on by default for one problem."""
+def campaign_options(out_required: bool) -> Callable[[Command], Command]:
+    """The file of a campaign, and the workers: the argument ``work`` of a command, a `Work`."""
+    return together(
+        as_one(Work, "work"),
+        click.option("--force", is_flag=True, help="Throw away another campaign of this kind that is in FILE."),
+        click.option(
+            "--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786."
+        ),
+        click.option(
+            "--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors."
+        ),
+        click.option(
+            "-o",
+            "--out",
+            required=out_required,
+            metavar="FILE",
+            type=FILE,
+            help="Where the dataset goes: .nc; resumed if not finished.",
+        ),
+    )
+
 
 motion_options = together(
+    as_one(MotionChoice, "motion"),
     click.option(
         "--beside",
         metavar="NAME",
@@ -146,4 +250,4 @@ motion_options = together(
     click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
     click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
 )
-"""What motion is meant: --duration or --steady, and a second solver's --beside it."""
+"""--duration or --steady, and --beside: the argument ``motion`` of a command, a `MotionChoice`."""

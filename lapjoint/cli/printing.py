@@ -17,22 +17,24 @@ from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.files.writing import write_file
+from lapjoint.summaries import summarise
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
 
 if TYPE_CHECKING:
     import xarray as xr
 
 COLUMNS = 80
-"""Width of a terminal that nobody has widened, characters."""
-_NUMBER = 12  # characters of a number, with the space before it
+"""Usual width of a terminal, characters."""
+_NUMBER = 12
+"""Characters of a number, with the space before it."""
 _TIMES = 2049
-"""Times of a period at which the way to the stops is looked at: to 3e-5 for ten half waves, alike in both halves."""
+"""Times in a period at which distances to the stops are taken: exact to 3e-5 for ten half waves."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5
 MULTIPLIERS_SHOWN = 5
 NAME_SHOWN, STATE_SHOWN = 24, 48
-"""Characters of the name of a stop, and of a state, in a table; files hold all of it."""
+"""Most characters of the name of a stop, and of a state, in a table; files hold the whole name."""
 
 
 def print_modes(problem: Problem, solver: str, answers: list[Modes], hz: bool = False) -> None:
@@ -91,7 +93,7 @@ def print_history(history: History) -> None:
 
 
 def print_excitation(problem: Problem) -> None:
-    """Print the one frequency at which the excitation repeats, if there is one, and what is recorded or random."""
+    """Print the fundamental of the excitation, if there is one, and remarks on recorded and random parts."""
     omega = problem.excitation_frequency
     if omega is not None:
         echo(f"Excitation: {frequency_text(omega)}")
@@ -100,7 +102,7 @@ def print_excitation(problem: Problem) -> None:
 
 
 def print_steady_state(found: SteadyState, at: list[float] | None = None) -> None:
-    """Print what was found and how, and peaks at places, m, or at those by default."""
+    """Print a steady state and its certificate, with peaks at places, m, or at the default places."""
     echo(plain(found.problem.title) or "Untitled problem")
     echo(f"{found.solver}: {found.outcome.value}")
     print_excitation(found.problem)
@@ -128,8 +130,8 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
 
 
 def _print_summary(found: SteadyState, at: list[float] | None) -> None:
-    """Print peaks and root mean squares at places, and what the stops do."""
-    summary = found.summary(at=at)
+    """Print peaks and root mean squares at places, and of the stops' forces and contacts."""
+    summary = summarise(found, at=at)
     what, values, errors = summary.selection, summary.values, summary.errors
     over = "" if found.period_multiple else f" over {WANDERING} periods"
 
@@ -166,13 +168,13 @@ def print_source(source: str) -> None:
 
 
 def _print_nearest(history: History) -> None:
-    """Print which stop a motion without contact comes nearest to, as a part of its gap."""
+    """Print the stop that a motion without contact comes nearest to, and how near, over its gap."""
     stops = history.problem.stops
     t = np.linspace(history.start, history.end, _TIMES)
     sides = np.array([stop.sign for stop in stops])[:, None]
     reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
     percent = 100 * np.maximum(reach, 0.0) / np.maximum([stop.gap for stop in stops], np.finfo(float).tiny)
-    nearest = int(percent.round(6).argmax())  # of two that rounding alone tells apart, the first
+    nearest = int(percent.round(6).argmax())  # the first of stops that differ by rounding alone
     names, _ = stop_column(history.problem)
     echo(f"Nearest to a stop: {names[nearest]}, {percent[nearest]:.3g} % of its gap of {stops[nearest].gap:g} m")
 
@@ -207,7 +209,7 @@ def stop_column(problem: Problem) -> tuple[list[str], int]:
 
 
 def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> dict[str, Any]:
-    """A steady state as JSON holds it, with peaks at places, m, or at those by default."""
+    """A steady state as JSON holds it, with peaks at places, m, or at the default places."""
     accepted = found.acceptance
     return {
         "solver": found.solver,
@@ -233,7 +235,7 @@ def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> d
 
 def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
     """Peaks, RMS and contacts of a steady state as JSON holds them."""
-    summary = found.summary(at=at)
+    summary = summarise(found, at=at)
     what, content = summary.selection, dict[str, Any]()
     for one in what.quantities:
         for kind in ("peak", "rms"):

@@ -62,7 +62,7 @@ def shown_points(title: str) -> Iterator[Progress]:
 
         def progress(done: float, total: float) -> None:
             nonlocal began
-            if not began:  # what was done before says nothing about the speed
+            if not began:  # points done before say nothing about the speed
                 bar.reset(task, total=total, completed=int(done))
                 began = True
             bar.update(task, completed=done)
@@ -71,16 +71,16 @@ def shown_points(title: str) -> Iterator[Progress]:
 
 
 EARLY = 10.0
-"""Time, s, after which the first line comes where a twentieth of the work takes longer."""
+"""Time after which the first line comes if a twentieth of the work takes longer, s."""
 A_FEW = 3
-"""Points that must be done for that line, or a hundredth of few: less tells little of the rest."""
+"""Points that must be done for that line, or 1 % if these are fewer: fewer points tell little of the rest."""
 
 
 def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic) -> Progress:
     """A callback that prints a line each time another twentieth is done, with the time that is left.
 
-    The first call says where the work begins: what was done before does not count as quick.  Until the first twentieth
-    is done, lines come after `EARLY` and ever twice as long, but not before `A_FEW` points.
+    The first call says where the work begins, so that points done before do not count.  Until the first twentieth is
+    done, lines come after `EARLY`, and then at doubled times, but not before `A_FEW` points.
     """
     began: tuple[float, float] | None = None
     shown = 0
@@ -111,9 +111,9 @@ def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic
 
 @contextmanager
 def shown_search(title: str, known_as: str = "known so far") -> Iterator[Progress]:
-    """Give a callback ``progress(done, known)`` that shows how much is done of what a search knows of so far.
+    """Give a callback ``progress(done, known)`` that shows how much of the work known so far a search has done.
 
-    `known_as` says what is known, or allowed at most: a search may well end sooner.
+    `known_as` names the total: the work known so far, or the most allowed, before which a search may end.
     """
     if not sys.stderr.isatty():
         yield lines_of_search(title, known_as=known_as)
@@ -134,9 +134,9 @@ MOST = 60.0
 def lines_of_search(
     title: str, clock: Callable[[], float] = time.monotonic, known_as: str = "known so far"
 ) -> Progress:
-    """A callback that prints a line after `EARLY`, and then ever more rarely, but every `MOST`.
+    """A callback that prints a line after `EARLY`, and then ever more rarely, but at least every `MOST`.
 
-    What is found leads to more that is to be done, so that no time that is left can be told.
+    Work leads to more work, and the time that is left is unknown.
     """
     began: float | None = None
     due, wait = EARLY, EARLY
@@ -158,7 +158,7 @@ def lines_of_search(
 
 
 class _Lines(logging.Handler):
-    """Prints what is logged on standard error, whatever that is then."""
+    """Prints log messages on the standard error of that moment."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one message."""
@@ -166,10 +166,7 @@ class _Lines(logging.Handler):
 
 
 def tell_of_delays() -> None:
-    """Say on standard error, from now on, when compiling begins, what points cost that do not repeat, and much memory.
-
-    `lapjoint.compiled.compiling`, `lapjoint.campaigns.pace` and `lapjoint.machine.memory` say when.
-    """
+    """Print, from now on, the log messages of compiling, of a campaign's slow points and of much memory."""
     for name in ("lapjoint.compiled.compiling", "lapjoint.campaigns.pace", "lapjoint.machine.memory"):
         logger = logging.getLogger(name)
         if not any(isinstance(handler, _Lines) for handler in logger.handlers):

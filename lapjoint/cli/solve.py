@@ -11,18 +11,15 @@ from lapjoint.cli.motions import find_motion, find_steady_state
 from lapjoint.cli.options import (
     DRAWINGS,
     FIGURES,
-    errors_option,
-    figure_options,
+    AnswerFiles,
+    SolverChoice,
+    answer_options,
     problem_options,
-    series_options,
     solver_options,
 )
 
 if TYPE_CHECKING:
     from lapjoint import History
-
-CONTACTS = (".csv", ".json")
-SERIES = (".nc", ".csv")
 
 
 @click.command()
@@ -44,8 +41,7 @@ def modes(
     hz: bool,
     json_path: str | None,
     figure: str | None,
-    n_modes: int | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --modes says."""
     from lapjoint.cli import arguments, printing
@@ -55,8 +51,8 @@ def modes(
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
     states = arguments.states_from(this, state)
-    answering = arguments.solver_from(n_modes=None, **solver)
-    answers = [answering.modes(this, one, MODES if n_modes is None else n_modes) for one in states]
+    answering = solver._replace(n_modes=None).make()
+    answers = [answering.modes(this, one, MODES if solver.n_modes is None else solver.n_modes) for one in states]
     printing.print_modes(this, answering.name, answers, hz)
     if json_path:
         printing.write_json(json_path, printing.modes_summary(this, answering.name, answers))
@@ -71,105 +67,72 @@ def modes(
 @problem_options
 @solver_options
 @click.option("--duration", type=float, help="Time to simulate from the initial state, s; by default a record's.")
-@click.option(
-    "--contacts", "contacts_path", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."
-)
-@series_options
-@errors_option
-@figure_options
+@answer_options
 def simulate(
     problem: str,
     overrides: tuple[str, ...],
     duration: float | None,
     errors: bool,
-    contacts_path: str | None,
-    series_path: str | None,
-    at: str | None,
-    quantity: str | None,
-    rate: float | None,
-    figure: str | None,
-    draw: str | None,
-    **solver: Any,
+    files: AnswerFiles,
+    solver: SolverChoice,
 ) -> None:
     """Simulate PROBLEM from its initial state, and print its contacts."""
     from lapjoint.cli import arguments, printing
 
-    arguments.check_file("--contacts", contacts_path, *CONTACTS)
-    arguments.check_file("--series", series_path, *SERIES)
-    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_answer_files(files)
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
-    places = arguments.drawing_from(this, figure, draw, at, series_path is not None)
+    drawing = arguments.drawing_from(this, files, files.series is not None)
     lasting = arguments.duration_of(this, duration)
-    wanted = arguments.series_from(this, series_path, at, quantity, rate, lasting)
-    history = find_motion(this, arguments.solver_from(**solver), lasting, errors)
+    series = arguments.series_from(this, files, lasting)
+    history = find_motion(this, solver.make(), lasting, errors)
     printing.print_history(history)
-    write_results(history, contacts_path, series_path, wanted, figure, draw, places)
+    write_results(history, files, series, drawing)
 
 
 @click.command()
 @problem_options
 @solver_options
-@click.option(
-    "--contacts", "contacts_path", metavar="FILE", type=FILE, help="Write the contacts to FILE: .csv or .json."
-)
-@series_options
-@errors_option
-@figure_options
+@answer_options
 @click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the impulses to FILE as JSON.")
 def steady(
     problem: str,
     overrides: tuple[str, ...],
     errors: bool,
-    contacts_path: str | None,
-    series_path: str | None,
-    at: str | None,
-    quantity: str | None,
-    rate: float | None,
-    figure: str | None,
-    draw: str | None,
+    files: AnswerFiles,
     json_path: str | None,
-    **solver: Any,
+    solver: SolverChoice,
 ) -> None:
     """Find the steady state of PROBLEM, and print the impulse of each stop over one excitation period."""
     from lapjoint import Outcome
     from lapjoint.cli import arguments, printing
 
-    arguments.check_file("--contacts", contacts_path, *CONTACTS)
-    arguments.check_file("--series", series_path, *SERIES)
-    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_answer_files(files)
     arguments.check_file("--json", json_path)
     this = arguments.problem_from(problem, overrides)
-    places = arguments.drawing_from(this, figure, draw, at, True)
-    wanted = arguments.series_from(this, series_path, at, quantity, rate, None)
-    shown = None if at is None else [this.require_position(x) for x in arguments.places_from(at)]
-    found = find_steady_state(this, arguments.solver_from(**solver), errors)
+    drawing = arguments.drawing_from(this, files, True)
+    series = arguments.series_from(this, files, None)
+    shown = None if files.at is None else [this.require_position(x) for x in arguments.places_from(files.at)]
+    found = find_steady_state(this, solver.make(), errors)
     printing.print_steady_state(found, shown)
-    write_results(found.history, contacts_path, series_path, wanted, figure, draw, places)
+    write_results(found.history, files, series, drawing)
     if json_path:
         printing.write_json(json_path, printing.steady_state_summary(found, shown))
     click.get_current_context().exit(1 if found.outcome is Outcome.UNDECIDED else 0)
 
 
-def write_results(
-    history: History,
-    contacts_path: str | None,
-    series_path: str | None,
-    wanted: dict[str, Any],
-    figure: str | None,
-    draw: str | None,
-    places: dict[str, Any],
-) -> None:
-    """Write the files asked for; `wanted` is what `time_series` takes, `places` what the figure does."""
-    if contacts_path:
+def write_results(history: History, files: AnswerFiles, series: dict[str, Any], drawing: dict[str, Any]) -> None:
+    """Write the files asked for; `series` is what `time_series` takes, `drawing` what the figure does."""
+    if files.contacts:
         from lapjoint.answers.contact_files import write_contacts
 
-        write_contacts(history, contacts_path)
-    if series_path:
+        write_contacts(history, files.contacts)
+    if files.series:
         from lapjoint.answers.series import time_series, write_series
 
-        write_series(time_series(history, **wanted), series_path)
-    if figure:
+        write_series(time_series(history, **series), files.series)
+    if files.figure:
         from lapjoint import figures
 
-        figures.save(getattr(figures, DRAWINGS[draw or "motion"])(history, **places), figure)
+        draw = getattr(figures, DRAWINGS[files.draw or "motion"].function)
+        figures.save(draw(history, **drawing), files.figure)

@@ -1,8 +1,8 @@
 """The way into the command ``lapjoint``: Ctrl-C ends it with one line and status 130, whatever is going on.
 
-Python raises KeyboardInterrupt in the middle of whatever runs.  While modules are imported and functions compiled, that
-may be inside code that makes another error of it, or that cannot raise anything.  So it is remembered that Ctrl-C was
-pressed, and raised again where it was lost.  Only the standard library is imported before that is set up.
+Python raises KeyboardInterrupt in the middle of any code.  While modules are imported and functions compiled, that code
+may turn the exception into another error, or be unable to raise any.  Ctrl-C is therefore remembered, and raised again
+where it was lost.  Only the standard library is imported before this is set up.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ INTERRUPTED = 130
 
 
 class _Interrupts:
-    """Takes Ctrl-C, remembers that it was pressed, and has the last word on errors that nothing catches."""
+    """Takes Ctrl-C, remembers it, and handles errors that nothing catches."""
 
     def __init__(self) -> None:
         self._pressed = False
@@ -35,20 +35,20 @@ class _Interrupts:
         raise KeyboardInterrupt
 
     def ended(self, status: object) -> None:
-        """Take no more notice of Ctrl-C when the command has ended; raise what it swallowed."""
+        """Ignore Ctrl-C when the command has ended; raise one that the command swallowed."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self._pressed and status != INTERRUPTED:
             raise KeyboardInterrupt
 
     def _raise_again(self, lost: sys.UnraisableHookArgs) -> None:
-        """Where nothing can be raised, as in a destructor, raise it as soon as something can."""
+        """Raise Ctrl-C again, soon, that was lost where nothing can be raised, as in a destructor."""
         if isinstance(lost.exc_value, KeyboardInterrupt):
             _thread.start_new_thread(_interrupt_soon, ())
         elif not self._pressed:
             self._unraisable(lost)
 
     def _end(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-        """End the process: after Ctrl-C every error is due to it."""
+        """End the process; after Ctrl-C every error is taken for its consequence."""
         if not self._pressed:
             self._uncaught(kind, error, trace)
             return

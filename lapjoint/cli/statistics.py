@@ -1,60 +1,57 @@
-"""The command ``lapjoint statistics``: what is read off long motions, with intervals."""
+"""The command ``lapjoint statistics``: statistics of long motions, with intervals."""
 
 from __future__ import annotations
 
 import click
 
 from lapjoint.cli.completing import FILE
-from lapjoint.cli.options import campaign_options, problem_options, solver_options
+from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
 
 
 @click.command()
 @problem_options
 @solver_options
-@click.option("--duration", type=float, help="Of each motion, s, its start included; by default a record's.")
-@click.option("--seeds", type=int, default=1, show_default=True, help="Realisations of what is random.")
+@click.option("--duration", type=float, help="Duration of each motion, s, its start included; by default a record's.")
+@click.option("--seeds", type=int, default=1, show_default=True, help="Number of realisations of random excitation.")
 @click.option("--at", metavar="x=X,X,..", help="Places, m.  [default: the stops and the free ends]")
 @click.option(
     "--quantity",
     metavar="NAME,NAME,..",
-    help="What is looked at there: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
-    "absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, velocity, "
-    "absolute_acceleration, moment, stress]",
+    help="Quantities at these places: displacement, velocity, acceleration (relative to the base), "
+    "absolute_displacement, absolute_velocity, absolute_acceleration, moment, shear, stress.  [default: displacement, "
+    "velocity, absolute_acceleration, moment, stress]",
 )
-@click.option("--settle", type=float, help="Start that is left out, s.  [default: 7 decay times of the slowest mode]")
-@click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in its period]")
-@click.option("-o", "--out", metavar="FILE", type=FILE, help="Where the dataset goes: .nc; resumed if not finished.")
+@click.option(
+    "--settle",
+    type=float,
+    help="Length of the start that is left out, s.  [default: 7 decay times of the slowest mode]",
+)
+@click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in the slowest mode's period]")
 @click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the statistics to FILE as JSON too.")
-@campaign_options
+@campaign_options(out_required=False)
 def statistics(
     problem: str,
     overrides: tuple[str, ...],
-    solver_name: str,
-    n_modes: int | None,
-    elements: int | None,
-    options: tuple[str, ...],
     duration: float | None,
     seeds: int,
     at: str | None,
     quantity: str | None,
     settle: float | None,
     rate: float | None,
-    out: str | None,
     json_path: str | None,
-    workers: int,
-    scheduler: str | None,
-    force: bool,
+    solver: SolverChoice,
+    work: Work,
 ) -> None:
     """Summarise long motions of PROBLEM: peaks, RMS, contacts and their distributions, with 95 % intervals.
 
     Interrupted in any way, the same command resumes, if it has --out.
     """
-    from lapjoint.campaigns import solve
-    from lapjoint.campaigns.realisations import Realisations
+    from lapjoint.campaigns.statistics.running import solve_statistics
+    from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments, printing, statistics_printing
     from lapjoint.cli.finding import found_or_stored
 
-    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--out", work.out, ".nc")
     arguments.check_file("--json", json_path)
     arguments.check_duration(duration)
     this = arguments.problem_from(problem, overrides)
@@ -62,16 +59,14 @@ def statistics(
         this,
         arguments.duration_of(this, duration),
         seeds,
-        solver_name,
-        arguments.options_from(n_modes, elements, options),
+        solver.name,
+        solver.numerics,
         None if at is None else tuple(arguments.places_from(at)),
         None if quantity is None else arguments.names_from(quantity),
         settle,
         rate,
     )
-    found = found_or_stored(
-        plan, "statistics", "these statistics", solve, out=out, force=force, workers=workers, scheduler=scheduler
-    )
+    found = found_or_stored(plan, "statistics", "these statistics", solve_statistics, work)
     statistics_printing.print_statistics(found, this)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))

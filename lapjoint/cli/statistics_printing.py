@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from lapjoint.problem import FloatArray, Problem
 
 _NAME = 28
-"""Characters of a quantity with its unit, or of a stop."""
+"""Width of the column of quantities or stops, characters."""
 _SHARES = (0.5, 0.9, 0.99)
 """Shares of contacts whose quantiles are printed."""
 _OF_STOPS = {
@@ -37,7 +37,7 @@ _OF_CONTACTS = {
 
 
 def print_statistics(found: xr.Dataset, problem: Problem) -> None:
-    """Print what was computed, the values at the places asked for with their intervals, and those of the stops."""
+    """Print the settings, and the values at places and of stops with their intervals."""
     of = found.attrs
     echo(plain(of["title"]))
     done, units = int(of["seeds"]) - int(of["failed"]), int(of["units"])
@@ -118,7 +118,7 @@ def _print_stops(found: xr.Dataset) -> None:
 
 
 def quantiles(counts: FloatArray, low: FloatArray, high: FloatArray) -> list[float]:
-    """What these shares of contacts do not exceed, from counts in bins; between edges by equal ratios."""
+    """Quantiles at `_SHARES` of contacts, from counts in bins, (m,); logarithmic within a bin from `low` to `high`."""
     total = counts.cumsum()
     if not total.size or not total[-1]:
         return [np.nan] * len(_SHARES)

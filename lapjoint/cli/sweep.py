@@ -1,4 +1,4 @@
-"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many answers, and the curve that they make."""
+"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many steady states, and their figures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import click
 
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, campaign_options, problem_options, solver_options
+from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, problem_options, solver_options
+from lapjoint.errors import InputError
 
 
 @click.command()
@@ -24,24 +25,16 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     "fields",
     multiple=True,
     metavar="PATH=VALUES",
-    help="Change another number of the problem too, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    help="Another parameter of the problem, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
     "damping.ratio=0.02,0.08; repeatable: all combinations.",
-)
-@click.option(
-    "-o",
-    "--out",
-    required=True,
-    metavar="FILE",
-    type=FILE,
-    help="Where the dataset goes: .nc; resumed if not finished.",
 )
 @click.option(
     "--start",
     type=click.Choice(["rest", "up", "down", "random"]),
     default="rest",
     show_default=True,
-    help="Where each motion starts: from the problem's initial state; from where the one before it settled, along "
-    "the first axis upwards or downwards; from random states.",
+    help="Where each motion starts: at the problem's initial state; where the motion before it settled, along the "
+    "first axis upwards or downwards; at random states.",
 )
 @click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
@@ -57,31 +50,25 @@ from lapjoint.cli.options import FIGURES, campaign_options, problem_options, sol
     help="Further variables of each motion: <quantity>_peak or <quantity>_rms, the largest along the beam, as "
     "stress_peak; force_peak, force_rms, contact_time and contact_rate of each stop.",
 )
-@campaign_options
+@campaign_options(out_required=True)
 def sweep(
     problem: str,
     overrides: tuple[str, ...],
-    solver_name: str,
-    n_modes: int | None,
-    elements: int | None,
-    options: tuple[str, ...],
     first: float | None,
     last: float | None,
     step: float,
     hz: bool,
     fields: tuple[str, ...],
-    out: str,
     start: Literal["rest", "up", "down", "random"],
     starts: int,
     seed: int,
     sensitivity: bool,
     errors: bool,
     summary: str | None,
-    workers: int,
-    scheduler: str | None,
-    force: bool,
+    solver: SolverChoice,
+    work: Work,
 ) -> None:
-    """Find the steady state of PROBLEM at every point of a grid: excitation frequencies, or any of its numbers.
+    """Find the steady state of PROBLEM at every point of a grid of excitation frequencies or other parameters.
 
     Interrupted in any way, the same command resumes.
     """
@@ -89,15 +76,12 @@ def sweep(
     from lapjoint.cli import arguments, printing
     from lapjoint.cli.finding import found_or_stored
 
-    arguments.check_file("--out", out, ".nc")
+    arguments.check_file("--out", work.out, ".nc")
     axes = arguments.axes_from(first, last, step, fields, hz)
     this = arguments.problem_from(problem, overrides)
-    numerics = arguments.options_from(n_modes, elements, options)
     further = () if summary is None else arguments.names_from(summary)
-    plan = Plan(Grid(this, axes), solver_name, numerics, start, starts, seed, sensitivity, errors, further)
-    found = found_or_stored(
-        plan, "sweep", "this sweep", solve, out=out, force=force, workers=workers, scheduler=scheduler
-    )
+    plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
+    found = found_or_stored(plan, "sweep", "this sweep", solve, work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 
@@ -112,22 +96,24 @@ def sweep(
 @click.option(
     "--variable",
     metavar="NAME",
-    help="Of a sweep, draw this instead of the impulses: what its --summary put into CURVE, as stress_peak.",
+    help="Variable of a sweep to draw in place of the impulses, as stress_peak if --summary put it into CURVE.",
 )
 def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
-    """Draw what a sweep, `lapjoint branch` or `lapjoint basins` found, from its file CURVE.
+    """Draw the results of `lapjoint sweep`, `lapjoint branch` or `lapjoint basins` from their file CURVE.
 
-    Of a sweep and of branches, the impulse of each stop over what was changed; of branches in two numbers, the loci of
+    Of a sweep and of branches, the impulse of each stop over the parameter; of branches in two parameters, the loci of
     their bifurcations; of basins, which motion each start ends in, or the share of each motion.
     """
-    from lapjoint.campaigns.basin_plan import BasinPlan
+    from lapjoint.campaigns.basins.spec import BasinPlan
     from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.campaigns.dataset import read_result
-    from lapjoint.campaigns.plan import Plan
+    from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments
     from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, plot_loci, save
     from lapjoint.figures.sweep_variables import IMPULSE
 
+    if not Path(curve).name:
+        raise InputError(f"{curve!r}: is no file")
     path = figure or str(Path(curve).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
     dataset = read_result(curve, Plan.noun, BranchSpec.noun, BasinPlan.noun)

@@ -1,9 +1,9 @@
 """New arrays in compiled functions, and copies of them.
 
-numba compiles `numpy.zeros` and `numpy.empty` anew for each shape and type, and where an array is assigned to a part of
-another, as in ``a[:] = b``, what would say in words that their shapes differ: three seconds, where it is the first.
+numba compiles `numpy.zeros` and `numpy.empty` anew for each shape and type.  For an assignment such as ``a[:] = b`` it
+compiles the message of shapes that differ, too, which takes three seconds the first time.
 
-Only compiled functions can call these.
+Only compiled functions can call the functions of this module.
 """
 
 from __future__ import annotations
@@ -52,12 +52,6 @@ bool_zeros: Callable[[Shape], npt.NDArray[np.bool_]] = _zeros(types.boolean, "bo
 
 @njit_inner()
 def put(target: npt.NDArray[Any], values: npt.NDArray[Any]) -> None:
-    """Write values into an array of the same shape.
-
-    Parameters
-    ----------
-    target, values : NDArray, shape (n,)
-        Where to, and what.
-    """
+    """Write `values` into an array of the same shape (n,)."""
     for i in range(target.size):
         target[i] = values[i]

@@ -1,11 +1,11 @@
 """Named tuples of arrays that compiled functions take by one address, instead of array by array.
 
-numba hands a tuple on by value: with thirty arrays that is two hundred numbers at every call, and a function that takes
-it compiles for seconds.  A named tuple that is decorated with `by_reference` is an address to compiled functions: of a
-few words for each field, which are written when Python calls one, and looked up where they are needed.
+numba passes a tuple by value: thirty arrays are two hundred numbers at every call, and a function that takes them
+compiles for seconds.  To compiled functions, a named tuple decorated with `by_reference` is an address: that of a few
+words for each field, which are written when Python calls a function, and read where they are needed.
 
 Compiled functions borrow the arrays: they write to them, but neither keep nor return one, nor a view of one.  Python
-keeps them as long as it keeps the tuple, which is as long as a call takes at least.
+keeps the arrays as long as the tuple, and so at least for the time of a call.
 """
 
 from __future__ import annotations
@@ -41,73 +41,32 @@ class Field(NamedTuple):
 
     @property
     def dimensions(self) -> int:
-        """Of an array; 0 of a number."""
+        """Number of dimensions of an array; 0 of a number."""
         return int(getattr(self.type, "ndim", 0))
 
 
 class ByReference(types.Type):  # type: ignore[misc]
-    """The type, to numba, of a decorated tuple with certain types of fields.
-
-    Parameters
-    ----------
-    name : str
-        Of the tuple's class.
-    fields : tuple of Field
-        In their order.
-    """
+    """The type, to numba, of a decorated tuple: the name of its class, and its fields in order."""
 
     def __init__(self, name: str, fields: tuple[Field, ...]) -> None:
         self.fields = fields
         digest = hashlib.sha256(repr([(it.name, str(it.type)) for it in fields]).encode()).hexdigest()
-        # The name is part of that of every function that takes it.
+        # The name of every function that takes the tuple contains this name.
         super().__init__(f"{name}_{digest[:12]}")
 
     def field(self, name: str) -> Field | None:
-        """A field by its name.
-
-        Parameters
-        ----------
-        name : str
-            The name.
-
-        Returns
-        -------
-        Field or None
-            None if there is none of that name.
-        """
+        """A field by its name; None if there is none of that name."""
         return next((it for it in self.fields if it.name == name), None)
 
 
 def by_reference(kind: type[T]) -> type[T]:
-    """Let compiled functions take a named tuple by its address.
-
-    Parameters
-    ----------
-    kind : type
-        A named tuple of arrays in C order, and of floats.
-
-    Returns
-    -------
-    type
-        The same class.
-    """
+    """Let compiled functions take a named tuple of arrays in C order and floats by its address; returns its class."""
     typeof_impl.register(kind)(_type_of)
     return kind
 
 
 def in_c_order(values: T) -> T:
-    """The same tuple with arrays in C order, for functions that do not write to them.
-
-    Parameters
-    ----------
-    values : tuple
-        A named tuple.
-
-    Returns
-    -------
-    tuple
-        Of the same class; an array that was in C order is the same object.
-    """
+    """A named tuple with its arrays in C order, copied if they are not, for functions that only read them."""
     kind: Any = type(values)
     made: T = kind._make(np.ascontiguousarray(it) if isinstance(it, np.ndarray) else it for it in values)
     return made
@@ -127,10 +86,9 @@ def _type_of(values: Any, _: Any) -> ByReference:
 
 
 def _unboxed(kind: ByReference, values: Any, c: Any) -> Any:
-    """Words for the fields of a tuple, and their address.
+    """The address of words for the fields of a tuple, read from Python's objects as CPython and numpy lay them out.
 
-    They are read from the objects of Python as CPython and numpy lay these out; that numba has found them to be of
-    their types goes before.
+    numba has checked the types of the objects before.
     """
     builder, word = c.builder, ir.IntType(8 * _WORD)
 
@@ -153,7 +111,7 @@ def _unboxed(kind: ByReference, values: Any, c: Any) -> Any:
 
 
 class _Fields(AttributeTemplate):  # type: ignore[misc]
-    """Which type a field has."""
+    """The types of the fields."""
 
     key = ByReference
 
@@ -164,7 +122,7 @@ class _Fields(AttributeTemplate):  # type: ignore[misc]
 
 
 def _look_up(context: Any, builder: Any, kind: ByReference, address: Any, name: str) -> Any:
-    """Code that loads a field: a number, or an array that nobody counts references to."""
+    """Code that loads a field: a number, or an array without a count of references."""
     field = kind.field(name)
     assert field is not None
     words = builder.bitcast(address, ir.IntType(8 * _WORD).as_pointer())

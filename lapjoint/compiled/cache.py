@@ -1,8 +1,8 @@
-"""The files in which compiled functions are kept: valid as long as nothing changes that went into the machine code.
+"""The files in which machine code is kept: valid as long as nothing changes that went into it.
 
-numba keeps what it compiled until the file changes that the function stands in.  What the function calls, and the
-constants that it reads, are compiled into it as well, and may stand elsewhere: where these change, the machine code is
-that of another program, and nothing says so.  Here the key under which it is kept holds the content of all of them.
+numba keeps machine code until the file changes in which the function stands.  The functions that it calls, and the
+constants that it reads, are compiled into it as well, and may stand elsewhere: when these change, the machine code is
+silently that of another program.  Here the key of the machine code holds the content of all of them.
 """
 
 from __future__ import annotations
@@ -21,17 +21,9 @@ from numba.core.dispatcher import Dispatcher
 
 
 class ContentCache(FunctionCache):  # type: ignore[misc]
-    """What numba keeps of one function, under a key that holds the content of all that goes into it.
+    """The machine code that numba keeps of one function, under a key that holds the content of all that goes into it.
 
-    Parameters
-    ----------
-    dispatcher : Dispatcher
-        The function.
-
-    Raises
-    ------
-    RuntimeError
-        If there is no folder to keep it in.
+    It raises a `RuntimeError` where there is no folder to keep machine code in.
     """
 
     def __init__(self, dispatcher: Any) -> None:
@@ -42,10 +34,10 @@ class ContentCache(FunctionCache):  # type: ignore[misc]
         self._content = ""
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Types, processor, content, and names in tables; not before the first call, when all modules are there.
+        """Types, processor, content and names of fields; not before the first call, when all modules are loaded.
 
-        In place of the content, numba has digests of the function alone and of what it encloses; of a compiled function
-        that it encloses, that is another one in each process.
+        In place of the content, numba has digests of the function and of its closure.  A compiled function in a closure
+        has another digest in each process.
         """
         if not self._content:
             self._content = content_of(self._dispatcher)
@@ -53,7 +45,7 @@ class ContentCache(FunctionCache):  # type: ignore[misc]
 
 
 class _Files(IndexDataCacheFile):  # type: ignore[misc]
-    """The files of one function; those that cannot be read, damaged or of modules that have moved, hold nothing."""
+    """The files of one function; files that cannot be read, damaged or of modules that have moved, count as empty."""
 
     def _load_index(self) -> Any:
         try:
@@ -65,22 +57,11 @@ class _Files(IndexDataCacheFile):  # type: ignore[misc]
         try:
             return super()._load_data(name)
         except Exception as error:
-            raise OSError(f"{name} cannot be read") from error  # which numba takes for a file that is gone
+            raise OSError(f"{name} cannot be read") from error  # numba takes this for a missing file
 
 
 def content_of(dispatcher: Any) -> str:
-    """Digest of a compiled function: its code, its constants and options, and those of all that it calls.
-
-    Parameters
-    ----------
-    dispatcher : Dispatcher
-        The function.
-
-    Returns
-    -------
-    str
-        SHA-256 in hexadecimal digits.
-    """
+    """SHA-256 of a compiled function: its code, its constants and options, and those of all that it calls."""
     digest = hashlib.sha256(_how())
     for part in _of_dispatcher(dispatcher, set()):
         digest.update(f"{len(part)} {part}".encode())
@@ -89,12 +70,12 @@ def content_of(dispatcher: Any) -> str:
 
 @cache
 def _how() -> bytes:
-    """The content of this folder, which decides what machine code is made of a function."""
+    """The content of this folder, which decides how functions are compiled."""
     return b"".join(file.read_bytes() for file in sorted(Path(__file__).parent.glob("*.py")))
 
 
 def _fields(kind: Any) -> tuple[Any, ...]:
-    """Names of what a named tuple holds, in their sequence, and those of what it holds; empty for all other types."""
+    """Names of the fields of a named tuple, and of the named tuples in it; empty for all other types."""
     if not isinstance(kind, types.NamedTuple | types.NamedUniTuple):
         return ()
     return (*kind.fields, *(_fields(one) for one in kind))
@@ -129,7 +110,7 @@ def _of_code(code: CodeType, names: dict[str, Any], seen: set[Any]) -> Iterator[
 
 
 def _of_value(value: Any, attributes: tuple[str, ...], seen: set[Any]) -> Iterator[str]:
-    """What a name stands for; `attributes` are the names that the code may ask a module for."""
+    """The content of a value; of a module, that of the attributes that the code may ask it for."""
     if isinstance(value, Dispatcher):
         yield from _of_dispatcher(value, seen)
     elif isinstance(value, ModuleType):
@@ -149,7 +130,7 @@ def _of_value(value: Any, attributes: tuple[str, ...], seen: set[Any]) -> Iterat
 
 
 def _written(value: Any) -> str:
-    """A constant in words that are the same in every process."""
+    """A constant as text that is equal in every process."""
     if isinstance(value, set | frozenset):
         return f"{{{', '.join(sorted(map(_written, value)))}}}"
     return repr(value)

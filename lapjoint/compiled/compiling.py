@@ -1,22 +1,21 @@
-"""Compiled functions: how they are compiled, where the machine code is kept, and how one gets to know.
+"""Compiled functions: how they are compiled, where the machine code is kept, and how a user hears of compiling.
 
 numba compiles a function when it is first called, and keeps the machine code in a file beside its source, or in the
 user's own cache where the package's folder may not be written to.  Where neither may be, each process compiles anew.
-What is kept is valid for one content of all that was compiled in: see `lapjoint.compiled.cache`.
+Machine code is valid for one content of all that was compiled into it: see `lapjoint.compiled.cache`.
 
-numba writes two more functions for each, by which Python and C call it.  What only other compiled functions call does
-without them, and is spared more, see `lapjoint.compiled.machine_code`: it is `njit_inner`.
+For each function numba writes two more, by which Python and C call it.  Functions that only compiled functions call do
+without these, and without more (`lapjoint.compiled.machine_code`): they are `njit_inner`.
 
-Arithmetic is done as it is written, without numba's `fastmath`.  LLVM would else order and join operations as suits the
-processor, and what was compiled before in the same process: two processes that compiled the same function each had
-other last bits.  As it is, all of them have the same, however LLVM optimises, and for whichever processor, but for what
-they call: the linear algebra, and the exponential and the sines of the C library, which choose their own code.  To let
-it reorder sums was a hundredth faster at most.
+Arithmetic is done as it is written, without numba's `fastmath`.  With it LLVM would order and join operations as suits
+the processor and the code compiled before, so that two processes would differ in last bits.  Without it all bits agree,
+however LLVM optimises, on any processor, except through the linear algebra and the C library's exponential and sines,
+which choose their own code.  Reordering of sums gained 1 % at most.
 
-Loops are vectorised only where that is asked for.  It would take a sixth of the time to compile, and has not been found
-to make a march faster.  What carries many deviations at once takes two thirds of the time with it.
+Loops are vectorised only on request.  Vectorising takes a sixth of the time to compile, and does not make a march
+faster. Functions that carry many deviations at once take two thirds of the time with it.
 
-`LOGGER` says when compiling begins; nobody listens but the command line.
+`LOGGER` says when compiling begins; the command line prints it.
 """
 
 from __future__ import annotations
@@ -37,30 +36,19 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 LOGGER = logging.getLogger(__name__)
 MESSAGE = "compiling for this machine, once: this takes some seconds"
-"""What is said when compiling begins, once in a process."""
+"""The message when compiling begins, once in a process."""
 _RARELY = 50_000
-"""Objects made until Python looks for cyclic garbage while numba compiles, seventy times as many as usual.  Nearly all
-of them live until the end, so that looking takes a ninth of the time, and finds nothing."""
+"""Objects made between Python's searches for cyclic garbage while numba compiles, seventy times as many as usual:
+nearly all of them live until the end, and the usual searches take a ninth of the time."""
 
 _OWN: dict[Callable[..., Any], bool] = {}
-"""The functions of this project that are compiled, and whether their loops are vectorised; what else numba compiles in
-this process is left as it is."""
+"""The compiled functions of this project, and whether their loops are vectorised; others are left alone."""
 
 
 def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]:
-    """Compile a function that Python calls.
+    """A decorator that compiles a function that Python calls, with `options` of `numba.njit` other than `fastmath`.
 
-    Parameters
-    ----------
-    vectorised : bool
-        Whether to vectorise its loops, and those of all compiled functions that it calls.
-    **options : Any
-        Further options of `numba.njit`, but for `fastmath`.
-
-    Returns
-    -------
-    callable
-        A decorator.
+    With `vectorised` the loops of the function and of all compiled functions that it calls are vectorised.
     """
 
     compiler: Any = njit
@@ -78,18 +66,7 @@ def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]
 
 
 def njit_inner(**options: Any) -> Callable[[F], F]:
-    """Compile a function that only compiled functions call: Python cannot.
-
-    Parameters
-    ----------
-    **options : Any
-        Further options of `numba.njit`.
-
-    Returns
-    -------
-    callable
-        A decorator.
-    """
+    """A decorator that compiles a function that only compiled functions can call, with `options` of `numba.njit`."""
     return njit_called(no_cpython_wrapper=True, **options)
 
 

@@ -1,13 +1,13 @@
-"""What LLVM is spared while numba compiles functions of this project.
+"""Work that LLVM is spared while numba compiles functions of this project.
 
-numba makes machine code of each function that it compiles, though of one that only compiled functions call nobody uses
-it: they have it in their own, and optimise it there once more.  Here such a function is neither optimised nor made
-machine code of by itself; it is kept as LLVM's bitcode, for those that call it.  That halves LLVM's time.
+numba makes machine code of each function that it compiles.  The machine code of a function that only compiled functions
+call is never used: its callers contain the function, and optimise it once more.  Here such a function is kept as LLVM's
+bitcode for its callers, neither optimised nor made machine code.  This halves LLVM's time.
 
-What a function has of those that it calls is its own: numba lets all of a process share the copy that is loaded first,
-and what that was compiled for, with loops vectorised or not, then decides how fast the others are.
+Each function has its own copies of the functions that it calls.  numba lets all functions of a process share the copy
+that is loaded first, and whether its loops are vectorised then decides how fast the others are.
 
-This stands on how the releases `KNOWN` of numba are built inside.  With any other, `spare_llvm` leaves all as it is.
+All this depends on the inner structure of the releases `KNOWN` of numba.  With any other, `spare_llvm` changes nothing.
 """
 
 from __future__ import annotations
@@ -31,27 +31,21 @@ _NEEDED = {
     ),
     "JITCPUCodegen": ("set_env",),
 }
-"""What is relied on, or put in place of, in `numba.core.codegen`."""
+"""Members of `numba.core.codegen` that are called or replaced here."""
 KNOWN = ("0.68.",)
-"""How the releases of numba begin with which this has been tried."""
+"""Beginnings of the numbers of numba's releases for which this was tested."""
 _WRAPPERS = "_ZN7cpython", "cfunc."
-"""How the names of functions begin by which Python and C call a compiled one."""
+"""Beginnings of the names of functions by which Python and C call a compiled one."""
 
 
 class Sparing:
-    """Whether LLVM is spared just now: while a function of this project is compiled, under numba's lock."""
+    """Whether LLVM is spared now: while a function of this project is compiled, under numba's lock."""
 
     on = False
 
 
 def spare_llvm() -> bool:
-    """Let numba's libraries of code look at `Sparing`.
-
-    Returns
-    -------
-    bool
-        Whether they do; not with a release that is not `KNOWN`, or if numba is built otherwise.
-    """
+    """Let numba's code libraries look at `Sparing`; False with a release that is not `KNOWN`, or is built otherwise."""
     if not numba.__version__.startswith(KNOWN):
         return False
     for name, members in _NEEDED.items():
@@ -63,7 +57,7 @@ def spare_llvm() -> bool:
 
 
 def _only_for_compiled(library: Any) -> bool:
-    """Whether neither Python nor C can call anything in a library, and it has no machine code from a file yet."""
+    """Whether neither Python nor C can call a library's functions, and it has no machine code from a file yet."""
     if getattr(library, "_compiled_object", None) is not None:
         return False
     functions = library._final_module.functions
@@ -71,14 +65,14 @@ def _only_for_compiled(library: Any) -> bool:
 
 
 def _own_copies(library: Any) -> None:
-    """Keep to a library what it has of the functions that it calls."""
+    """Make a library's copies of the functions that it calls private to it."""
     for function in library._final_module.functions:
         if not function.is_declaration and function.linkage == Linkage.linkonce_odr:
             function.linkage = Linkage.internal
 
 
 def _spare_libraries(kind: Any) -> None:
-    """Optimise and make machine code of a library only where that is used."""
+    """Optimise a library, and make its machine code, only where it is used."""
     optimise, finalise = kind._optimize_final_module, kind._finalize_final_module
     address, serialise = kind.get_pointer_to_function, kind.serialize_using_object_code
 
@@ -117,7 +111,7 @@ def _spare_libraries(kind: Any) -> None:
 
 
 def _spare_environments(kind: Any) -> None:
-    """What no machine code is made of has no place for the objects of Python that it uses."""
+    """Skip Python's objects of a library without machine code, which has no place for them."""
     write = kind.set_env
 
     def set_env(self: Any, name: str, environment: Any) -> None:

@@ -1,4 +1,4 @@
-"""What the motions of basins are called: by period multiple and impulse."""
+"""Names of the motions of basins, from period multiple and impulse."""
 
 from __future__ import annotations
 
@@ -15,19 +15,9 @@ _DIGITS = (4, 6, 9)
 
 
 def motion_names(one: xr.Dataset, numbered: bool = True) -> list[str]:
-    """A name for each motion of one problem.
+    """A name for each motion of one problem, with the impulse of the stop that differs most: ``1 period, P4 0.5 N s``.
 
-    Parameters
-    ----------
-    one : xarray.Dataset
-        Dataset of basins, for one value of what is varied.
-    numbered : bool
-        Whether each begins with the motion's number, from 1, and a mirror image says of which it is.
-
-    Returns
-    -------
-    list of str
-        Period multiple and the impulse of the stop that tells motions apart most, ``1: 1 period, P4 0.548 N s``.
+    With `numbered`, each name begins with the motion's number, from 1, and a mirror image names its original.
     """
     count = int((one.period_multiple.values > 0).sum())
     for digits in _DIGITS:

@@ -20,7 +20,7 @@ from lapjoint.figures.style import (
     new_axes,
     style,
 )
-from lapjoint.figures.sweep_axes import axis_label
+from lapjoint.figures.sweep_axes import axis_label, cell_edges
 from lapjoint.figures.text import literal
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PALER = 0.45
-"""Share of white in the colours of the eighth motion and those after it, again and again."""
+"""Fraction of white that is mixed into the colours each time they are used again, from the seventh motion on."""
 _HATCH = "//////"
 _UNBOUND = (0.85, 0.85, 0.85)
 """Colour of starts that are bound to no motion."""
@@ -36,7 +36,7 @@ _UNBOUND = (0.85, 0.85, 0.85)
 
 @style()
 def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Draw basins: a plane of starts, shares along a number that was varied, or shares of random starts.
+    """Draw basins: a plane of starts, shares along a parameter that was varied, or shares of random starts.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 def _colour(number: int) -> Any:
-    """The colour of a motion: those of the house, then paler ones."""
+    """The colour of a motion: one of `COLOURS`, or a paler one where all are taken."""
     from matplotlib.colors import to_rgb
 
     rounds, which = divmod(number, len(COLOURS) - 1)  # black is kept for lines
@@ -78,7 +78,7 @@ def _colours(one: xr.Dataset) -> list[Any]:
 
 
 def _samples(axes: Axes, one: xr.Dataset) -> None:
-    """Give the legend a sample of each motion that some start ends in, and of those that end in none."""
+    """Give the legend a sample of each motion in which some start ends, and of starts that are bound to none."""
     from matplotlib.patches import Rectangle
 
     def sample(label: str, **look: Any) -> None:
@@ -100,8 +100,8 @@ def _draw_plane(axes: Axes, dataset: xr.Dataset) -> None:
     motion = dataset.motion.values.T
     colours = [_UNBOUND, *_colours(dataset)]
     axes.pcolormesh(
-        _edges(x),
-        _edges(y),
+        cell_edges(x),
+        cell_edges(y),
         motion + 1,
         cmap=ListedColormap(colours),
         vmin=-0.5,
@@ -115,7 +115,7 @@ def _draw_plane(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xlabel(_moved(dataset, "first"))
     axes.set_ylabel(_moved(dataset, "second"))
     _samples(axes, dataset)
-    axes.set(xlim=_edges(x)[[0, -1]], ylim=_edges(y)[[0, -1]])
+    axes.set(xlim=cell_edges(x)[[0, -1]], ylim=cell_edges(y)[[0, -1]])
     entitle(axes, str(dataset.attrs["title"]))
 
 
@@ -125,14 +125,6 @@ def _moved(dataset: xr.Dataset, name: str) -> str:
     symbol, _, place = str(one.attrs["coordinate"]).partition("(")
     unit = str(one.attrs["units"]).replace("m s-1", "m/s")
     return literal(f"start moved by {symbol} at x = {place.rstrip(')')} m [{unit}]")
-
-
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Ends of cells around values, which are in the middle."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    step = (values[-1] - values[0]) / (values.size - 1)
-    return np.linspace(values[0] - step / 2, values[-1] + step / 2, values.size + 1)
 
 
 def _draw_shares(axes: Axes, dataset: xr.Dataset) -> None:
@@ -161,7 +153,7 @@ def _share(one: xr.Dataset, prefix: str, i: int) -> tuple[float, float, float]:
 
 
 def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
-    """The share of each branch along what was varied, with its interval, and of starts that are bound to none."""
+    """The share of each branch along the varied parameter, with its interval, and of starts bound to no motion."""
     dataset = dataset.sortby(name)
     x, branch = dataset[name].values, dataset.branch.values
     for number in range(int(branch.max(initial=-1)) + 1):
@@ -180,7 +172,7 @@ def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
 
 
 def _curve(axes: Axes, x: np.ndarray, rows: np.ndarray, label: str, colour: Any, number: int) -> None:
-    """A share and its interval along what was varied, ``rows`` of shape ``(n, 3)``."""
+    """A share and its interval along the varied parameter, `rows` of shape (n, 3)."""
     line = ":" if number < 0 else STYLES[number % len(STYLES)]
     marker = MARKERS[number % len(MARKERS)]
     axes.plot(x, rows[:, 0], color=colour, linestyle=line, marker=marker, label=label)

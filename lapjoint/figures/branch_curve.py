@@ -1,4 +1,4 @@
-"""The curve of a branch through its points and its bifurcations: stability changes at these, not at the next point."""
+"""The curve of a branch through its curve points and bifurcations; stability changes at bifurcations."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.figures.branch_names import KIND_NAMES, number_of
+from lapjoint.figures.branch_names import KIND_NAMES, parameter_of
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
@@ -22,33 +22,19 @@ class Curve:
     """A branch as it is drawn."""
 
     x: FloatArray
-    """The number at each corner, in its SI unit, shape ``(n,)``."""
+    """The parameter at each corner, in its SI unit, shape ``(n,)``."""
     y: FloatArray
-    """What is drawn of each stop there, shape ``(n, stops)``."""
+    """The value drawn of each stop at each corner, shape ``(n, stops)``."""
     stable: npt.NDArray[np.bool_]
     """Whether motions from one corner to the next are stable, shape ``(n - 1,)``."""
 
 
 def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: FloatArray) -> Curve:
-    """A branch with a corner at each point, and at each bifurcation between two.
+    """A branch with a corner at each curve point, `values` (points, stops), and at each bifurcation, `heights`.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    branch : int
-        Which branch.
-    values : FloatArray, shape (points, stops)
-        What is drawn of each stop at each point.
-    heights : FloatArray, shape (bifurcations, stops)
-        The same at each bifurcation.
-
-    Returns
-    -------
-    Curve
-        Between two bifurcations in one gap between points, motions are not stable.
+    Between two bifurcations that lie between neighbouring curve points, motions are drawn as not stable.
     """
-    x, stable = dataset[number_of(dataset)].values, dataset.stable.values == 1
+    x, stable = dataset[parameter_of(dataset)].values, dataset.stable.values == 1
     at, kinds = dataset.bifurcation_point.values, dataset.bifurcation_kind.values
     own = np.flatnonzero(dataset.bifurcation_branch.values == branch)
     points = np.flatnonzero(dataset.branch.values == branch)
@@ -60,7 +46,7 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
         corners.append((x[i], values[i]))
         if between:
             parts += [bool(stable[i - 1]), *[False] * (len(between) - 1), bool(stable[i])]
-        else:  # it changes at the graze, if one is at the first of the two points, and else at the second
+        else:  # stability changes at a graze at the first of the two points, or else at the second point
             grazes = any(at[j] == i - 1 and kinds[j] == _GRAZING for j in own.tolist())
             parts.append(bool(stable[i] if grazes else stable[i - 1]))
     return Curve(
@@ -71,21 +57,10 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 
 
 def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> FloatArray:
-    """What is drawn of each stop at each bifurcation.
+    """The value to draw of each stop at each bifurcation, (bifurcations, stops), from `values` at curve points.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    values : FloatArray, shape (points, stops)
-        What is drawn of each stop at each point.
-    impulses : bool
-        Whether these are impulses, which are known at most bifurcations.
-
-    Returns
-    -------
-    FloatArray, shape (bifurcations, stops)
-        Where it is not known, that of a graze's point, or on the way between the points on either side.
+    Impulses are known at most bifurcations.  An unknown value is taken from the graze's curve point, or
+    interpolated between the curve points on either side.
     """
     heights = np.array([_beside(dataset, j, values) for j in range(dataset.sizes["bifurcation"])])
     heights = heights.reshape(-1, values.shape[1])
@@ -96,8 +71,8 @@ def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> Fl
 
 
 def _beside(dataset: xr.Dataset, j: int, values: FloatArray) -> FloatArray:
-    """What is drawn at a bifurcation, by the points beside it: a fold's number changes with the square of the way."""
-    x, branch = dataset[number_of(dataset)].values, dataset.branch.values
+    """Values at a bifurcation from the curve points beside it; at a fold the parameter is quadratic in them."""
+    x, branch = dataset[parameter_of(dataset)].values, dataset.branch.values
     i = min(int(dataset.bifurcation_point.values[j]), x.size - 1)
     kind = int(dataset.bifurcation_kind.values[j])
     if kind == _GRAZING or i == 0 or branch[i - 1] != branch[i]:

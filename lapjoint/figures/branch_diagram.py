@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.figures.branch_curve import Curve, curve_of, heights_of
-from lapjoint.figures.branch_names import KIND_NAMES, number_of
+from lapjoint.figures.branch_names import KIND_NAMES, parameter_of
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, MARKERS, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.problem import FloatArray
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
 """Variables that a diagram may show, and the labels of their axes."""
 _SOLID, _DASHED = "-", (0, (2.5, 1.5))
-"""Patterns of stable motions and of unstable ones: a stop is told by its colour alone."""
+"""Line patterns of stable and unstable motions; colour alone tells the stops apart."""
 _ALIKE = 1e-6
-"""Relative difference of numbers of twin stops up to which rounding, or where a branch has its points, makes it."""
+"""Relative difference of the values of twin stops up to which rounding, or the choice of curve points, explains it."""
 
 
 @style()
 def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: str = "impulse") -> Axes:
-    """Draw branches over the number that changes, a colour for each stop.
+    """Draw branches over the parameter that changes, a colour for each stop.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     ordinate : {"impulse", "peak_force"}
-        What is drawn of each stop, in N s or N.
+        The value drawn of each stop, in N s or N.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
     if ordinate not in ORDINATES:
         raise InputError(f"ordinate = {ordinate!r}: allowed: {', '.join(ORDINATES)}")
     axes = new_axes(COLUMN_WIDTH, 2.7) if axes is None else axes
-    name = number_of(dataset)
+    name = parameter_of(dataset)
     values = dataset[ordinate].values
     heights = heights_of(dataset, values, impulses=ordinate == "impulse")
     for branch in range(dataset.branch_first_end.size):
@@ -84,7 +84,7 @@ def _draw(axes: Axes, curve: Curve, stop: int) -> None:
 
 
 def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, heights: FloatArray) -> None:
-    """Bifurcations, on the curve of the stop that is pressed hardest; of twins, pressed alike, on that of the first."""
+    """Mark bifurcations on the curve of the stop that is pressed hardest, the first of twins that are pressed alike."""
     most = np.abs(values).max(axis=0, initial=0.0)
     stop = int(np.argmax(most >= (1 - _ALIKE) * most.max()))
     kinds = dataset.bifurcation_kind.values

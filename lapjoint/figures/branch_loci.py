@@ -1,4 +1,4 @@
-"""Loci of bifurcations in two numbers: a look for each name, a line where a bifurcation goes on from value to value."""
+"""Loci of bifurcations in two parameters: a look for each name, a line along each bifurcation."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.branch_names import locus_name, number_of, second_number_of
+from lapjoint.figures.branch_names import locus_name, parameter_of, second_parameter_of
 from lapjoint.figures.style import COLOURS, GREY, MARKERS, STYLES, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label
 
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NONE = "no bifurcation in this range"
-"""What stands in a figure without loci."""
+"""Text in a figure without loci."""
 
 
 @style()
 def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Draw where bifurcations are in two numbers.
+    """Draw the loci of bifurcations in two parameters.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of `lapjoint.branch` with a second number, `also_over`.
+        Dataset of `lapjoint.branch` with a second parameter, `also_over`.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
 
@@ -38,9 +38,9 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
     Raises
     ------
     InputError
-        If the dataset has no second number.
+        If the dataset has no second parameter.
     """
-    second = second_number_of(dataset)
+    second = second_parameter_of(dataset)
     if second is None:
         raise InputError("the branches are of one problem, not of several values of a second number: no loci")
     axes = new_axes(5.0, 3.4) if axes is None else axes
@@ -54,7 +54,7 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
             mine = mine[np.argsort(x[mine], kind="stable")]
             axes.plot(x[mine], y[mine], **look)
     axes.set_xlabel(axis_label(dataset, second))
-    axes.set_ylabel(axis_label(dataset, number_of(dataset)))
+    axes.set_ylabel(axis_label(dataset, parameter_of(dataset)))
     axes.set_xlim(*_widened(dataset[second].values))
     axes.set_ylim(*_widened(np.asarray(dataset.attrs["range"], dtype=float)))
     if not names.size:

@@ -1,4 +1,4 @@
-"""What the numbers, the bifurcations and the loci of a dataset of branches are called."""
+"""Names of the parameters, bifurcations and loci of a dataset of branches."""
 
 from __future__ import annotations
 
@@ -12,53 +12,18 @@ KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing")
 _GRAZING = KIND_NAMES.index("grazing")
 
 
-def number_of(dataset: xr.Dataset) -> str:
-    """The name of the number that changes along the branches.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-
-    Returns
-    -------
-    str
-        Name of its variable.
-    """
+def parameter_of(dataset: xr.Dataset) -> str:
+    """The name of the parameter that changes along the branches."""
     return next(str(name) for name, one in dataset.variables.items() if one.dims == ("point",) and "path" in one.attrs)
 
 
-def second_number_of(dataset: xr.Dataset) -> str | None:
-    """The name of the second number.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-
-    Returns
-    -------
-    str, or None
-        Name of its coordinate; None if all was done for one problem.
-    """
+def second_parameter_of(dataset: xr.Dataset) -> str | None:
+    """The name of the second parameter; None where there is only one problem."""
     return next((str(name) for name, one in dataset.coords.items() if "path" in one.attrs), None)
 
 
 def bifurcation_name(dataset: xr.Dataset, j: int) -> str:
-    """The name of a bifurcation: its kind and, of a graze, the stop, and whether it is the first contact.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        As ``fold``, ``grazing of P4`` or ``first grazing of P4``.
-    """
+    """The name of a bifurcation: ``fold``, or ``first grazing of P4``, with the stop, where it is the first contact."""
     kind = int(dataset.bifurcation_kind.values[j])
     if kind != _GRAZING:
         return KIND_NAMES[kind]
@@ -67,20 +32,7 @@ def bifurcation_name(dataset: xr.Dataset, j: int) -> str:
 
 
 def locus_name(dataset: xr.Dataset, j: int) -> str:
-    """The name of the locus on which a bifurcation lies.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of branches.
-    j : int
-        Which bifurcation.
-
-    Returns
-    -------
-    str
-        That of the bifurcation, and its period multiple where that is not one.
-    """
+    """The name of the locus on which a bifurcation lies: its kind, and its period multiple where that is not one."""
     point = min(int(dataset.bifurcation_point.values[j]), dataset.sizes["point"] - 1)
     multiple = int(dataset.period_multiple.values[point])
     return bifurcation_name(dataset, j) + (f", {multiple} periods" if multiple > 1 else "")

@@ -1,4 +1,4 @@
-"""What the stops do: the impulse of each contact, and the contact state over time."""
+"""Figures of contacts: the impulse of each contact, and the contact state over time."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEMS = 200
-"""Number of contacts above which the markers are drawn small, and without the lines that join them to the axis."""
+"""Number of contacts above which markers are small and have no lines to the axis."""
 _NAMES_SHARE = 0.3
-"""The names of the states take at most this part of the figure's width."""
+"""Largest fraction of the figure's width that the names of states take."""
 
 
 @style()
@@ -100,7 +100,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     """Draw the contact state over time: a row for each state that occurs, with a bar for each of its intervals.
 
     The share of the time that each state takes stands at the end of its row.  The rows of the paper's joint are named
-    by the paper's numbers (Table 1), those of other joints by their closed stops.
+    by the paper's numbers (Table 1), rows of other joints by their closed stops.
 
     Parameters
     ----------
@@ -136,18 +136,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
 
 
 def state_intervals(history: History) -> dict[ContactState, list[tuple[float, float]]]:
-    """The intervals of time that a motion spends in each contact state.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    dict of ContactState to list of tuple of float
-        Start and duration of each interval, s, by its state.  Intervals of no duration are left out.
-    """
+    """Start and duration, s, of each interval that a motion spends in each contact state; none has no duration."""
     edges = np.concatenate([[history.start], history.switch_times, [history.end]]).tolist()
     intervals: dict[ContactState, list[tuple[float, float]]] = {}
     for state, (start, end) in zip(history.states, pairwise(edges), strict=True):

@@ -46,7 +46,7 @@ def plot_convergence(
     quantity : callable, optional
         From an answer to the number whose convergence is looked at; needed where the answers are not numbers.
     reference : float, optional
-        What the error is relative to; by default the number of the finest resolution, which then is not drawn.
+        The value that errors are relative to; by default the value of the finest resolution, which then is not drawn.
     order : float, optional
         Order of convergence of a thin reference line through the coarsest point.
     label : str, optional

@@ -1,7 +1,7 @@
 """The impulses that a sweep found, or other numbers of its motions, drawn one column wide, as in the paper's Figure 4.
 
 Several starts are drawn as points.  A second swept field is drawn as one line for each of its values, the last one
-darkest.  A line ends where the motion becomes another one, or the impulse jumps; what does not repeat is marked.
+darkest.  A line ends where the motion changes its kind, or the impulse jumps.  Motions that do not repeat are marked.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 JUMP, STEEP = 4.0, 0.04
-"""A line is not drawn between two points of which the impulses differ by more than `JUMP` times as much as on either
-side, and by more than the part `STEEP` of all that is drawn."""
+"""A line breaks between two points whose impulses differ by more than `JUMP` times the differences on either side, and
+by more than the fraction `STEEP` of the range of all impulses."""
 _PALEST = 0.35  # opacity of the line of the first of several values
 _SHOWN = 4  # values of a second field in the legend; of more, the first and the last
 
@@ -42,7 +42,7 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     variable : str
-        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+        The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
@@ -89,18 +89,10 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
 
 
 def motion_kinds(dataset: xr.Dataset) -> xr.DataArray:
-    """What kind of motion each point is: equal numbers for motions that one line may join.
+    """A number for the kind of motion at each point of a sweep, without ``stop``; one line may join points of one kind.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    xarray.DataArray
-        Period multiple, with a half for one that mirrors itself; `ERRATIC` where the motion does not repeat, NaN where
-        there is none; without the dimension ``stop``.
+    The number is the period multiple, with a half for a motion that mirrors itself; `ERRATIC` where the motion does not
+    repeat, NaN where there is none.
     """
     kinds: xr.DataArray = (dataset.period_multiple + 0.5 * dataset.symmetric).where(
         dataset.period_multiple > 0, ERRATIC
@@ -113,20 +105,7 @@ ERRATIC = 0.0
 
 
 def in_pieces(y: FloatArray, kinds: FloatArray) -> list[slice]:
-    """The runs of points that one line may join.
-
-    Parameters
-    ----------
-    y : FloatArray, shape (n,)
-        Impulses, N s.
-    kinds : FloatArray, shape (n,)
-        As `motion_kinds` gives them.
-
-    Returns
-    -------
-    list of slice
-        In order; together all points.
-    """
+    """The runs of points that one line may join, of values `y` (n,) and their `motion_kinds` (n,), in order."""
     steps = np.abs(np.diff(y))
     around = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
     range_of = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
@@ -146,26 +125,10 @@ def draw_line(
     kinds: FloatArray | None = None,
     opacity: float = 1.0,
 ) -> None:
-    """Draw lines with marks on what does not repeat; points where there are several starts or only one swept value.
+    """Draw lines of `y`, (n,) or (n, starts), over `x`, (n,), with marks on motions that do not repeat.
 
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        Where to draw.
-    x : FloatArray, shape (n,)
-        Swept values, in the unit of their field.
-    y : FloatArray, shape (n,) or (n, starts)
-        Impulses, N s, or other values.
-    colour : str
-        Colour of the line or points, as matplotlib names it.
-    pattern : str
-        Style of the line, one of `lapjoint.figures.style.STYLES`.
-    label : str or None
-        Name in the legend; None for no entry.
-    kinds : FloatArray, shape (n,) or (n, starts), optional
-        As `motion_kinds` gives them; by default all points are of one kind.
-    opacity : float
-        From 0 to 1.
+    Points are drawn where there are several starts or only one swept value.  `kinds`, of the shape of `y`, are
+    `motion_kinds`; without them one line joins all points.
     """
     kinds = np.ones(y.shape) if kinds is None else kinds
     erratic = kinds == ERRATIC
@@ -183,7 +146,7 @@ def draw_line(
         axes.plot(x[erratic], y[erratic], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=colour, **look)
 
 
-_MARK = 2.2  # points, of what does not repeat
+_MARK = 2.2  # size of the mark of a motion that does not repeat, points
 
 
 def _opacity(i: int, count: int) -> float:
@@ -201,20 +164,12 @@ def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
 
 
 def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
-    """A legend entry for the marks of what does not repeat, where there are some."""
+    """A legend entry for the marks of motions that do not repeat, where there are some."""
     if any((kind == ERRATIC).any() for kind in kinds):
         axes.plot([], [], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=GREY, label="does not repeat")
 
 
 def limit(axes: Axes, x: FloatArray) -> None:
-    """Let the axis run from the least to the largest of the swept values, if there are several.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    x : FloatArray, shape (n,)
-        Swept values, in the unit of their field.
-    """
+    """Let the axis run from the least to the largest of the swept values `x`, (n,), if there are several."""
     if x.size > 1 and np.all(np.isfinite(x)):
         axes.set_xlim(float(x.min()), float(x.max()))

@@ -13,10 +13,18 @@ from numpy.typing import NDArray
 
 from lapjoint.figures.impulse_curve import draw_line, limit, motion_kinds
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
-from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
+from lapjoint.figures.sweep_axes import (
+    axis_label,
+    cell_edges,
+    constant_fields,
+    each_line,
+    fields,
+    in_order,
+    short_name,
+    units,
+)
 from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
-from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,9 +33,9 @@ if TYPE_CHECKING:
 
 IntArray = NDArray[np.int64]
 _NAME_ROOM = 4.5
-"""Largest width of a stop's name above its panel, inches; sixty characters and more fit into it."""
+"""Largest width of a stop's name above its panel, inches: room for sixty characters."""
 MOST_LINES = 7
-"""A second field with more values than this is drawn as a map, because there are no more colours for lines."""
+"""Largest number of values of a second field that are drawn as lines, one a colour; more are drawn as a map."""
 OUTCOME_COLOURS = {
     "no_contact": "#DDDDDD",
     "periodic": "#56B4E9",
@@ -53,7 +61,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
     dataset : xarray.Dataset
         Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
     variable : str
-        What is drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+        The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
 
     Returns
     -------
@@ -97,18 +105,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
 
 
 def certificates(dataset: xr.Dataset) -> IntArray:
-    """The outcome at each point of a sweep, for a strip of colours.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    IntArray, shape (first field, second field, starts), as far as these exist
-        Indices into `OUTCOME_COLOURS`.
-    """
+    """Indices into `OUTCOME_COLOURS` of the outcomes at the points of a sweep, (first field, second field, starts)."""
     keys = list(OUTCOME_COLOURS)
     meanings = dataset.outcome.attrs["flag_meanings"].split()
     codes = np.full(dataset.outcome.shape, keys.index("failed"))
@@ -138,7 +135,11 @@ def _map(
 ) -> None:
     values = values.mean("start") if "start" in values.dims else values
     mesh = axes.pcolormesh(
-        _edges(dataset[first].values), _edges(dataset[second].values), values.values.T, cmap="cividis", rasterized=True
+        cell_edges(dataset[first].values),
+        cell_edges(dataset[second].values),
+        values.values.T,
+        cmap="cividis",
+        rasterized=True,
     )
     bar = figure.colorbar(mesh, ax=axes, pad=0.01)
     bar.set_label(name)
@@ -157,7 +158,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
 
     codes = certificates(dataset).reshape(dataset.sizes[first], -1).T
     axes.pcolormesh(
-        _edges(dataset[first].values),
+        cell_edges(dataset[first].values),
         np.arange(len(codes) + 1) - 0.5,
         codes,
         cmap=ListedColormap(list(OUTCOME_COLOURS.values())),
@@ -182,7 +183,7 @@ def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: s
 
 
 def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int) -> None:
-    """Write beside the strip what its rows are: values of the second field, or starts."""
+    """Label the rows of the strip: values of the second field, or starts."""
     if second is None:
         axes.set_yticks([])
         if rows > 1:
@@ -196,11 +197,3 @@ def _strip_ticks(axes: Axes, dataset: xr.Dataset, second: str | None, rows: int)
     )
     if number > MOST_LINES:
         axes.set_ylabel(axis_label(dataset, second))
-
-
-def _edges(values: FloatArray) -> FloatArray:
-    """The edges of the cells around ``n`` ascending values, shape ``(n + 1,)``."""
-    if values.size == 1:
-        return np.array([values[0] - 0.5, values[0] + 0.5])
-    middles = (values[1:] + values[:-1]) / 2
-    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])

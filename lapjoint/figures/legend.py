@@ -7,7 +7,7 @@ from typing import Any
 from lapjoint.figures.text import SMALL, apart, literal, shortened, width_of
 
 HANDLE, BETWEEN = 2.0, 1.2
-"""Width of a line's sample, and distance between two columns, in sizes of the text."""
+"""Width of a line's sample, and distance of two columns, in sizes of the text."""
 LINE = 1.5 * SMALL / 72.0
 """Height of a line of a legend, inches: one and a half times the size of its text."""
 _EM = SMALL / 72.0
@@ -18,30 +18,10 @@ _SAMPLE = (HANDLE + 0.8) * _EM
 def legend_that_fits(
     handles: list[Any], labels: list[str], room: float, lines: int
 ) -> tuple[list[Any], list[str], int]:
-    """Shorten the entries of a legend, and find the number of columns that fit into a width.
+    """Handles and shortened labels of a legend, and the number of columns that fit side by side into a width, inches.
 
-    There are as many columns as fit side by side.  Where the entries would take more than `lines` lines, the last ones
-    are left out, and the last label says how many they are.
-
-    Parameters
-    ----------
-    handles : list of matplotlib.artist.Artist
-        The samples, as matplotlib's ``get_legend_handles_labels`` gives them.
-    labels : list of str
-        Their labels, which are shown literally, the long ones shortened.
-    room : float
-        Width of the legend, inches.
-    lines : int
-        Number of lines there is room for; two are always taken.
-
-    Returns
-    -------
-    handles : list of matplotlib.artist.Artist
-        The samples that are kept, with an empty one where entries are left out.
-    labels : list of str
-        Their labels, ready for matplotlib.
-    columns : int
-        Number of columns.
+    Where the entries would take more than `lines` lines (two at least), the last ones are left out, and a last label
+    with an empty handle says how many.
     """
     room -= 0.8 * _EM  # the legend's own margins
     labels = apart(labels, lambda label: shortened(label, room - _SAMPLE))

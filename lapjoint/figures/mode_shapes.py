@@ -1,4 +1,4 @@
-"""Figures of mode shapes: those of one contact state, or those of all states, grouped by equal modes."""
+"""Figures of mode shapes, of one contact state or of all states, grouped by equal modes."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SAME = 1e-6
-"""Two states share their modes if their frequencies differ relatively by at most this: far more than by rounding, far
-less than a closed stop changes them."""
+"""Largest relative difference of the frequencies of two states that share their modes: far more than rounding makes,
+far less than a closed stop."""
 MOST_PANELS = 24
 """Largest number of groups of states that are drawn in one figure, for the panels to stay legible."""
 _NAMED = 4
@@ -140,19 +140,9 @@ def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
 
 
 def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[Modes]]:
-    """Group the contact states that have springs at the same positions and the same natural frequencies.
+    """The contact states in groups that have springs at the same positions, and so the same natural frequencies.
 
-    Parameters
-    ----------
-    problem : Problem
-        The beam and its stops.
-    states_modes : sequence of Modes
-        The modes of each contact state, in any sequence.
-
-    Returns
-    -------
-    list of list of Modes
-        The groups, and the states in each group, in the sequence of `lapjoint.answers.contact_state.state_order`.
+    Groups, and the states in each group, are sorted by `lapjoint.answers.contact_state.state_order`.
     """
     groups: list[list[Modes]] = []
     for modes in sorted(states_modes, key=lambda each: state_order(problem, each.state)):
@@ -173,38 +163,12 @@ def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
 
 
 def upright(shape: FloatArray) -> FloatArray:
-    """Give a mode shape the sign with which its largest deflection points upwards.
-
-    Parameters
-    ----------
-    shape : FloatArray, shape (n,)
-        Deflections, in any unit.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        The shape or its negative, in the same unit.
-    """
+    """A mode shape, (n,), with the sign that makes its largest deflection point upwards."""
     return shape * (-1.0 if shape[np.argmax(np.abs(shape))] < 0 else 1.0)
 
 
 def group_title(problem: Problem, group: Sequence[Modes], hz: bool = False) -> str:
-    """The title of a panel: the group's states by the paper's numbers, if they have some, and by their closed stops.
-
-    Parameters
-    ----------
-    problem : Problem
-        The beam and its stops.
-    group : sequence of Modes
-        The modes of the states of one group.
-    hz : bool
-        Whether the legend has Hz, not rad/s.
-
-    Returns
-    -------
-    str
-        The title, whose second line says what the legend lists.
-    """
+    """The title of a group's panel: the paper's numbers and the closed stops of its states, and the legend's unit."""
     names = [_unbroken(modes.state.name(problem)) for modes in group]
     text = " or ".join(names[:_NAMED]) + (f" or {len(names) - _NAMED} more" if len(names) > _NAMED else "")
     word = "States" if len(group) > 1 else "State"

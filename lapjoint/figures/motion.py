@@ -33,7 +33,7 @@ STRIP = 0.11
 _NAME_SIZE = 6.5
 """Size of the stops' names, points; smaller where there are too many stops for it."""
 _NAMES_SHARE = 0.2
-"""The names of the stops take at most this part of the figure's width."""
+"""Largest fraction of the figure's width that the names of stops take."""
 
 
 @style()

@@ -6,6 +6,7 @@ import base64
 import html
 import math
 from collections.abc import Iterable, Sequence
+from functools import singledispatch
 
 import numpy as np
 
@@ -16,27 +17,22 @@ from lapjoint.figures.motion import plot_motion
 from lapjoint.figures.style import new_axes, svg_of
 from lapjoint.figures.text import error_text, frequency_text
 
-CONTACTS_SHOWN = 8
-MODES_SHOWN = 12
-"""Rows of a table, so that an answer takes no more than a screen."""
+CONTACTS_SHOWN, MODES_SHOWN = 8, 12
+"""Largest numbers of rows of tables, for an answer to fit on a screen."""
 _SIZE = 5.6, 2.4  # inches
 _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
 
 
-def html_of_modes(modes: Modes) -> str:
-    """Natural frequencies as a table.
+@singledispatch
+def html_of(answer: object) -> str:
+    """An answer as one piece of HTML; `TypeError` for an object that is no answer."""
+    raise TypeError(f"{type(answer).__name__} is no answer")
 
-    Parameters
-    ----------
-    modes : Modes
-        The answer.
 
-    Returns
-    -------
-    str
-        HTML.
-    """
+@html_of.register
+def _of_modes(modes: Modes) -> str:
+    """Natural frequencies as a table."""
     closed = ", ".join(str(i + 1) for i in modes.state.closed)
     title = f"Modes with stop {closed} closed" if closed else "Modes with all stops open"
     shown = modes.angular_frequencies[:MODES_SHOWN]
@@ -45,19 +41,9 @@ def html_of_modes(modes: Modes) -> str:
     return _page(title, [], _table(("mode", "rad/s", "Hz"), rows, left_out))
 
 
-def html_of_history(history: History) -> str:
-    """A motion: its contacts as a table, and displacements over time.
-
-    Parameters
-    ----------
-    history : History
-        The answer.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+@html_of.register
+def _of_history(history: History) -> str:
+    """A motion: its contacts as a table, and displacements over time."""
     lines = [
         f"{history.solver}, {history.start:g} to {history.end:g} s: {len(history.contacts)} contacts",
     ]
@@ -76,39 +62,29 @@ def html_of_history(history: History) -> str:
     return _page(history.problem.title or "Untitled problem", lines, table + _picture(history))
 
 
-def html_of_steady_state(found: SteadyState) -> str:
-    """A steady state: what was established, the impulses of the stops as a table, and one period.
-
-    Parameters
-    ----------
-    found : SteadyState
-        The answer.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
-    lines = [f"{found.solver}: {found.outcome.value}"]
-    omega = found.problem.excitation_frequency
+@html_of.register
+def _of_steady_state(steady: SteadyState) -> str:
+    """A steady state: its outcome, the impulses of the stops as a table, and one period."""
+    lines = [f"{steady.solver}: {steady.outcome.value}"]
+    omega = steady.problem.excitation_frequency
     if omega is not None:
         lines.append(f"Excitation: {frequency_text(omega)}")
-    if found.period_multiple:
+    if steady.period_multiple:
         lines.append(
-            f"It repeats after {found.period_multiple} excitation period{'s' * (found.period_multiple > 1)}"
-            + (", mirrored half-way." if found.symmetric else ".")
+            f"It repeats after {steady.period_multiple} excitation period{'s' * (steady.period_multiple > 1)}"
+            + (", mirrored half-way." if steady.symmetric else ".")
         )
-    if found.multipliers.size:
-        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(found.multipliers).max():.4g}")
-    errors = [None] * found.impulses.size if found.impulse_errors is None else found.impulse_errors.tolist()
+    if steady.multipliers.size:
+        lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(steady.multipliers).max():.4g}")
+    errors = [None] * steady.impulses.size if steady.impulse_errors is None else steady.impulse_errors.tolist()
     rows = [
         (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
         for name, stop, impulse, error in zip(
-            found.problem.stop_names, found.problem.stops, found.impulses, errors, strict=True
+            steady.problem.stop_names, steady.problem.stops, steady.impulses, errors, strict=True
         )
     ]
     table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
-    return _page(found.problem.title or "Untitled problem", lines, table + _picture(found.history))
+    return _page(steady.problem.title or "Untitled problem", lines, table + _picture(steady.history))
 
 
 def _with_error(value: float, error: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Figures of velocity over displacement: the phase portrait, and the Poincare section of the same motion."""
+"""Figures of velocity over displacement: the phase portrait and the Poincare section of a motion."""
 
 from __future__ import annotations
 
@@ -18,10 +18,9 @@ if TYPE_CHECKING:
 
 IN_CONTACT = "in contact"
 _ROUNDING = 1e-9
-"""Excitation periods.  A section point that lies outside the history by less than this belongs to it: the difference
-is rounding."""
+"""Excitation periods by which a section point may lie outside the history, because of rounding."""
 _LEAST_SHARE = 0.1
-"""The axes show at least this part of the orbit's size, so that differences by rounding are not drawn large."""
+"""Least extent of the axes, as a fraction of the orbit's size, so that rounding is not drawn large."""
 
 
 @style()
@@ -136,27 +135,10 @@ def plot_poincare_section(
 
 
 def section_times(history: History, phase: float = 0.0) -> FloatArray:
-    """The times of the section points of a history: the times t with omega t = phase + 2 pi k.
+    """Times of the section points of a history, s, ascending, (m,): those with omega t = phase + 2 pi k.
 
-    A history that starts and ends at such a time lasts for whole periods.  Its end is then left out, because it is the
-    start of the next period; so a motion of three periods has three section points.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    phase : float
-        Phase of the excitation at the section points, rad.
-
-    Returns
-    -------
-    FloatArray, shape (m,)
-        The times, s, ascending.
-
-    Raises
-    ------
-    InputError
-        If the excitation has no period, the phase is not finite, or the history holds no such time.
+    A history that starts and ends at a section point lasts for whole periods.  Its end is then left out, because it is
+    the start of the next period: a motion of three periods has three section points.
     """
     omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):

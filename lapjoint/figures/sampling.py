@@ -11,66 +11,28 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 LEAST_SAMPLES = 100
-"""Least number of times in a period of the fastest excitation: a coarser curve shows a motion that is not there."""
-
+"""Least number of times in a period of the fastest excitation: a coarser curve would show another motion."""
 SMOOTH = 0.002
-"""Largest distance of an orbit from the chord that is drawn for it, as a part of the orbit's size: about a pixel."""
-
+"""Largest distance of an orbit from its drawn chord, as a fraction of the orbit's size: about a pixel."""
 MOST_TIMES = 50_000
 """Number of times at which the refinement of an orbit ends, to bound the time that a figure takes."""
-
 MANY = 100
 """Number of contacts above which the curves are drawn thin."""
 
 
 def one_position(problem: Problem, x: float | None) -> float:
-    """The position asked for; by default the position of the stop farthest from the root, or the tip without stops.
-
-    Parameters
-    ----------
-    problem : Problem
-        The beam and its stops.
-    x : float or None
-        Position, m, or None for the default.
-
-    Returns
-    -------
-    float
-        Position, m.
-
-    Raises
-    ------
-    InputError
-        If `x` is outside the beam.
-    """
+    """The position asked for, m; by default that of the stop farthest from the root, or the tip without stops."""
     if x is not None:
         return problem.require_position(x)
     return max((stop.x for stop in problem.stops), default=problem.beam.length)
 
 
 def times_drawn(history: History, samples: int) -> FloatArray:
-    """Equidistant times at which a motion is drawn, with the switches among them.
+    """Times at which a motion is drawn, s, ascending, (m,): equidistant ones, and the switches.
 
     There are `samples` equidistant times, or more if a period of the fastest excitation would have fewer than
-    `LEAST_SAMPLES`.  The
-    switches are added, and the middle between each two of them, so that no flight and no contact is left out.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    samples : int
-        Least number of equidistant times, at least 2.
-
-    Returns
-    -------
-    FloatArray, shape (m,)
-        The times, s, ascending.
-
-    Raises
-    ------
-    InputError
-        If `samples` is less than 2.
+    `LEAST_SAMPLES`.  The switches are added, and the middle between each two of them, so that no flight and no contact
+    is left out.
     """
     if samples < 2:
         raise InputError(f"samples = {samples}: must be 2 or more")
@@ -81,25 +43,11 @@ def times_drawn(history: History, samples: int) -> FloatArray:
 
 
 def smooth_times(history: History, x: float, t: FloatArray) -> FloatArray:
-    """Add times where the orbit at one position would be drawn with corners that the true orbit has not.
+    """Times `t`, s, ascending, (n,), and those that smooth the drawn orbit at position `x`, m.
 
     Between two times the orbit is drawn as a chord.  Where the state a quarter, half or three quarters of the way is
     farther from the chord than `SMOOTH` of the orbit's size, the time half-way is added.  This repeats until the whole
     orbit is smooth, or there are `MOST_TIMES`.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    x : float
-        Position, m.
-    t : FloatArray, shape (n,)
-        Times to begin with, s, ascending.
-
-    Returns
-    -------
-    FloatArray, shape (m,)
-        The times, s, ascending, with those of `t` among them.
     """
     orbit = _orbit(history, x, t)
     size = np.ptp(orbit, axis=1, keepdims=True)
@@ -130,51 +78,16 @@ def _distance(chord: FloatArray, off: FloatArray) -> FloatArray:
 
 
 def in_contact(contacts: list[Contact], t: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether any contact lasts at each time, the ends of the contacts included.
-
-    Parameters
-    ----------
-    contacts : list of Contact
-        The contacts, in any sequence.
-    t : FloatArray, shape (m,)
-        Times, s.
-
-    Returns
-    -------
-    ndarray of bool, shape (m,)
-        True while a contact lasts.
-    """
+    """Whether any contact lasts at each time `t`, s, (m,), the ends of contacts included."""
     starts, ends = np.sort([c.start for c in contacts]), np.sort([c.end for c in contacts])
     return np.asarray(np.searchsorted(starts, t, side="right") > np.searchsorted(ends, t, side="left"))
 
 
 def line_width(history: History) -> float:
-    """The width of a motion's curve, which is thin where many contacts bring many loops.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    float
-        Width, points.
-    """
+    """The width of a motion's curve, points, which is thin where many contacts bring many loops."""
     return 1.1 if len(history.contacts) <= MANY else 0.4
 
 
 def heading(history: History) -> str:
-    """The title of a motion's problem, and below it its solver.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    str
-        One or two lines.
-    """
+    """The title of a motion's problem, and below it its solver."""
     return f"{history.problem.title}\n{history.solver}".strip()

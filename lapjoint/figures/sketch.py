@@ -1,4 +1,4 @@
-"""The sketch of a joint: beam, supports, stops behind their gaps, and what drives it.  Only x is to scale."""
+"""The sketch of a joint: beam, supports, stops behind their gaps, and the excitation.  Only x is to scale."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEIGHT = 2.5
-"""Of the figure, inches."""
+"""Height of the figure, inches."""
 _WIDE, _LEFT = 10.0, 1.4  # length of the beam on the page, and the room on its left, in units of the sketch
 _HALF = 0.13  # half the beam's depth
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
 _BELOW = -2.45  # where the line of positions stands
 _NAME_SHOWN = 14  # characters
-_NEAR = 0.5  # what is nearer than this shares a place
+_NEAR = 0.5  # largest distance of things that share a place
 _RIGHT = 1.75  # room on the right of the beam
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
 _INK = "0.15"
@@ -32,7 +32,7 @@ _BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
 
 @dataclass
 class _Page:
-    """Axes, and what is taken of them: a text that would stand on something else is left out."""
+    """Axes, and the boxes on them that are taken: a text that would overlap a box is left out."""
 
     axes: Axes
     per_inch: float

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-7
 """Largest sampling error of the drawn amplitudes, relative to the largest of them; far below what a plot resolves."""
 REPEATS = 1e-3
-"""A motion is taken as repeating if its state returns to within this part of the motion's size."""
+"""Largest mismatch of a state that returns, as a fraction of the motion's size, for a motion to count as repeating."""
 DECADES = 6.5
 """Number of decades below the largest amplitude at which the axis ends: short of `TOLERANCE`."""
 _EXCITATION = "excitation"
@@ -39,7 +39,7 @@ _FEWEST, _MOST = 2**10, 2**18
 """Number of samples of the transform: the first trial, and the number after which no doubling follows."""
 
 _STATIONS = 33
-"""Number of places among which the one that moves most is found."""
+"""Number of places among which the place that moves most is found."""
 
 
 @dataclass(frozen=True)
@@ -118,22 +118,9 @@ def plot_spectrum(
 
 
 def most_moved(history: History) -> float:
-    """The place, of `_STATIONS` equidistant ones, whose displacement departs most from its mean, by root mean square.
+    """The place, m, of `_STATIONS` equidistant ones, whose displacement has the largest standard deviation.
 
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    float
-        Position, m; of places that only rounding parts, the farthest from the root.
-
-    Raises
-    ------
-    InputError
-        If the history has no duration.
+    Of places that differ by rounding alone it is the one farthest from the root.
     """
     _require_duration(history)
     x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
@@ -164,27 +151,7 @@ def _scale(axes: Axes, amplitude: FloatArray, floor: float) -> None:
 
 
 def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
-    """Compute the amplitude spectrum of the displacement at one position, as the module's head says.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    x : float
-        Position, m.
-    harmonics : int
-        Largest multiple of the excitation frequency to be computed; at least 1.
-
-    Returns
-    -------
-    Spectrum
-        Amplitudes, m, over angular frequencies, rad/s.
-
-    Raises
-    ------
-    InputError
-        If `harmonics` is less than 1, or the history has no duration.
-    """
+    """The amplitude spectrum of the displacement at one position, up to a multiple of the excitation frequency."""
     if harmonics < 1:
         raise InputError(f"harmonics = {harmonics}: must be 1 or more")
     _require_duration(history)
@@ -195,22 +162,10 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
 
 
 def repeating_periods(history: History) -> tuple[int, float]:
-    """The least number of excitation periods after which the end of the history repeats.
+    """The least number of excitation periods after which the end of a history repeats, or 0, and the mismatch.
 
     States are compared: displacement and velocity at some points of the beam, each relative to its largest value there.
     Where the state and the phase of the excitation return, all that follows returns too.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-
-    Returns
-    -------
-    periods : int
-        Number of excitation periods; 0 if the motion is not found to repeat.
-    mismatch : float
-        Distance between the two states, relative to the motion's size; NaN if the motion is not found to repeat.
     """
     omega = history.problem.excitation_frequency
     whole = 0 if omega is None else math.floor((history.end - history.start) * omega / (2 * math.pi) + 1e-9)

@@ -1,6 +1,6 @@
-"""The style of all figures: sizes, colours and lines, and files that are the same bytes each time.
+"""The style of all figures: sizes, colours and lines, and files that are reproducible byte for byte.
 
-The colours are those of Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
+The colours are from Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
 the distinction.  Text has its final size at any width, so a figure is made as wide as it will be printed.
 """
 
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
-"""Markers that have an area, so that they can be hollow.  The number of colours has no divisor in common with the
-number of line styles, nor with the number of markers, so that a pair returns only when all pairs have been drawn."""
+"""Markers that have an area, so that they can be hollow.  The number of colours is coprime to the numbers of line
+styles and markers, so that a pair returns only when all pairs have been drawn."""
 FORMATS = (".png", ".svg", ".pdf")
 COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0
 """Widths of a figure, inches: one column, and both columns of a printed page."""
@@ -35,9 +35,9 @@ GREY = "0.55"
 THIN = 0.6
 """Width of gaps, zero lines and reference slopes, points."""
 _LABELS_WIDE = 0.65
-"""Width that the labels on the left of the axes take, inches."""
+"""Width of the labels on the left of the axes, inches."""
 _LEGEND_SHARE = 0.45
-"""A legend takes at most this part of the height of axes and legend together."""
+"""Largest fraction of the height of axes and legend together that the legend takes."""
 
 STYLE: dict[str, Any] = {
     "font.size": 8,
@@ -160,18 +160,7 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
 
 
 def svg_of(axes: Axes | Sequence[Axes]) -> str:
-    """A figure as an SVG element on a transparent ground, for a page of HTML.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes or sequence of them
-        Any axes of the figure.
-
-    Returns
-    -------
-    str
-        The element, from ``<svg`` on.
-    """
+    """A figure as an SVG element on a transparent ground, from ``<svg`` on, for a page of HTML."""
     out = io.StringIO()
     _write(axes, out, "svg", transparent=True)
     svg = out.getvalue()
@@ -187,34 +176,12 @@ def _write(axes: Axes | Sequence[Axes], target: str | Path | io.StringIO, form: 
 
 
 def each_axes(axes: Axes | Sequence[Axes]) -> tuple[Axes, ...]:
-    """The axes in one, a sequence, or an array of axes, row by row.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes, or sequence or array of them
-        One or several axes.
-
-    Returns
-    -------
-    tuple of matplotlib.axes.Axes
-        The axes.
-    """
+    """The axes in one, a sequence, or an array of axes, row by row."""
     return tuple(np.ravel(np.asarray(axes, dtype=object)))
 
 
 def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
-    """The figure that axes belong to.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes or sequence of them
-        One or several axes of one figure.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        The figure, also where the axes stand in a subfigure.
-    """
+    """The figure that axes belong to, also where the axes stand in a subfigure."""
     from matplotlib.figure import Figure
 
     figure: Any = each_axes(axes)[0].figure
@@ -224,18 +191,10 @@ def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
 
 
 def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
-    """Put a title and, below it, the legend above the axes, where no curve can be.
+    """Put a title and, below it, the legend above the axes, where no curve can be, once all lines are drawn.
 
-    Title and labels are drawn literally, and no part of them as mathematics; `lapjoint.figures.text` says how.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes, all of whose lines are drawn.
-    title : str
-        The title; it may have several lines, and long ones are wrapped.
-    beside : float
-        Width of the labels beside the axes, inches.
+    Title and labels are drawn literally, as `lapjoint.figures.text` says; long lines are wrapped.  `beside` is the
+    width of the labels beside the axes, inches.
     """
     room = max(1.0, room_of(axes) - beside)
     lines = [literal(line) for line in wrapped(title, room)]
@@ -256,18 +215,7 @@ def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
 
 
 def room_of(axes: Axes) -> float:
-    """The width of the part of the figure that belongs to the axes and to the labels beside them.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-
-    Returns
-    -------
-    float
-        Width, inches.
-    """
+    """The width, inches, of the part of the figure that belongs to the axes and to the labels beside them."""
     figure = figure_of(axes)
     share = axes.get_position().width / (figure.subplotpars.right - figure.subplotpars.left)
     return float(share * figure.get_figwidth())
@@ -281,37 +229,12 @@ def _lines_high(axes: Axes) -> int:
 
 
 def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:
-    """Settings for bars whose edges are faint, so that a bar thinner than a pixel is neither lost nor drawn too broad.
-
-    Parameters
-    ----------
-    colour : str
-        Colour of the bars, as matplotlib names it.
-    alpha : float
-        Opacity of the bars, from 0 to 1.
-
-    Returns
-    -------
-    dict of str to Any
-        Arguments of a matplotlib collection.
-    """
+    """Settings of bars with faint edges: a bar thinner than a pixel is neither lost nor drawn too broad."""
     return {"facecolor": (colour, alpha), "edgecolor": (colour, 0.25 * alpha), "linewidth": 0.15, "snap": False}
 
 
 def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:
-    """Let the horizontal axis show time, with few enough ticks for a column.
-
-    Parameters
-    ----------
-    axes : matplotlib.axes.Axes
-        The axes.
-    start : float
-        First time, s.
-    end : float
-        Last time, s.
-    label : str
-        Label of the axis.
-    """
+    """Let the horizontal axis show time from `start` to `end`, s, with few enough ticks for a column."""
     axes.set_xlim(start, end)
     axes.set_xlabel(label)
     axes.locator_params(axis="x", nbins=6)

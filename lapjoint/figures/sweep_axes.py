@@ -1,4 +1,4 @@
-"""What the figures of a sweep read from its dataset: which fields were swept, their names, units and values.
+"""The swept fields of a sweep's dataset: their names, units and values.
 
 A figure shows two swept fields.  A third one is drawn at its first value.
 """
@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from lapjoint.figures.text import cut_to, literal
 from lapjoint.problem import FloatArray
@@ -40,54 +42,19 @@ def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with ascending fields; of a third and further swept fields it has the first value only.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dataset with one or two swept fields.
-    """
+    """The dataset with ascending swept fields; of a third and further swept fields it has the first value only."""
     names = [name for name in dataset.outcome.dims if name != "start"]
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 
 
 def fields(dataset: xr.Dataset) -> tuple[str, str | None]:
-    """The names of the swept fields that a figure shows.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    first : str
-        Name of the first swept field.
-    second : str or None
-        Name of the second swept field; None if there is only one.
-    """
+    """The names of the first swept field and of the second, which is None if there is only one."""
     names = [str(name) for name in dataset.outcome.dims if name != "start"]
     return names[0], names[1] if len(names) > 1 else None
 
 
 def constant_fields(dataset: xr.Dataset) -> list[str]:
-    """The fields that have one value in the whole dataset, with this value.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of `in_order`.
-
-    Returns
-    -------
-    list of str
-        Name, value and unit of each, ``gap (all stops) = 0.001 m``.
-    """
+    """The fields that have one value in the whole dataset of `in_order`, each as ``gap (all stops) = 0.001 m``."""
     return [
         f"{short_name(dataset, str(name))} = {value.item():.4g} {units(dataset, str(name))}".removesuffix(" -")
         for name, value in dataset.coords.items()
@@ -96,78 +63,34 @@ def constant_fields(dataset: xr.Dataset) -> list[str]:
 
 
 def each_line(values: xr.DataArray, second: str | None) -> list[FloatArray]:
-    """Values over the first swept field, for each value of the second.
-
-    Parameters
-    ----------
-    values : xarray.DataArray, shape (n,), (n, k), (n, starts) or (n, k, starts)
-        Values over ``n`` values of the first field and ``k`` of the second.
-    second : str or None
-        Name of the second swept field; None if there is only one.
-
-    Returns
-    -------
-    list of FloatArray, shape (n,) or (n, starts)
-        One for each value of the second field, or one if there is only the first field.
-    """
+    """Values over the first swept field, (n,) or (n, starts), for each value of the second field, if there is one."""
     if second is None:
         return [values.values]
     return [values.isel({second: i}).values for i in range(values.sizes[second])]
 
 
+def cell_edges(values: FloatArray) -> FloatArray:
+    """The edges of the cells around ascending values, (n,), half-way between them: shape (n + 1,)."""
+    if values.size == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    middles = (values[1:] + values[:-1]) / 2
+    return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middles, [1.5 * values[-1] - 0.5 * values[-2]]])
+
+
 def axis_label(dataset: xr.Dataset, name: str) -> str:
-    """A swept field and its unit, as the label of an axis.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    name : str
-        Name of the field.
-
-    Returns
-    -------
-    str
-        The label, ready for matplotlib.
-    """
+    """A swept field and its unit, as the label of an axis."""
     unit = units(dataset, name)
     text = "angular frequency ω" if name == "angular_frequency" and unit == "rad/s" else short_name(dataset, name)
     return literal(f"{text} [{unit}]")
 
 
 def units(dataset: xr.Dataset, name: str) -> str:
-    """The unit of a swept field, as figures write it.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    name : str
-        Name of the field.
-
-    Returns
-    -------
-    str
-        The unit, ``rad/s``; ``-`` for a field without a dimension.
-    """
+    """The unit of a swept field, as figures write it: ``rad/s``, or ``-`` for a field without a dimension."""
     return {"rad s-1": "rad/s", "N m-1": "N/m", "1": "-"}.get(dataset[name].units, str(dataset[name].units))
 
 
 def short_name(dataset: xr.Dataset, name: str) -> str:
-    """The name of a swept field for a label: ``gap (all stops)`` instead of ``stops_all_gap``.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    name : str
-        Name of the field.
-
-    Returns
-    -------
-    str
-        The short name.
-    """
+    """The name of a swept field for a label: ``gap (all stops)`` instead of ``stops_all_gap``."""
     group, _, rest = str(dataset[name].attrs.get("path", name)).partition(".")
     which, _, field = rest.rpartition(".")
     if not field or group not in ("stops", "supports"):

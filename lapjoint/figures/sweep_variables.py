@@ -1,4 +1,4 @@
-"""The variables of a sweep that are drawn over what was swept: impulses, and what ``--summary`` put into the file."""
+"""The variables of a sweep that can be drawn over its fields: impulses, and those that ``--summary`` added."""
 
 from __future__ import annotations
 
@@ -28,41 +28,12 @@ _PLAIN = 0.1, 1e4
 
 
 def drawable(dataset: xr.Dataset) -> tuple[str, ...]:
-    """The variables of a sweep that can be drawn.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-
-    Returns
-    -------
-    tuple of str
-        Their names; the first is `IMPULSE`.
-    """
+    """The names of the variables of a sweep that can be drawn; the first is `IMPULSE`."""
     return IMPULSE, *(name for name in SUMMARIES if name in dataset)
 
 
 def curves(dataset: xr.Dataset, variable: str) -> list[tuple[str, xr.DataArray]]:
-    """The curves of a variable: one of each stop, or one of the beam.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    variable : str
-        One of `drawable`.
-
-    Returns
-    -------
-    list of tuple
-        The name of the stop, or nothing, and the values, in the unit of `ordinate`, without the dimension ``stop``.
-
-    Raises
-    ------
-    InputError
-        If there is no such variable.
-    """
+    """The curves of a drawable variable: each stop's name and values, or no name and the values of the beam."""
     if variable not in drawable(dataset):
         there, more = ", ".join(drawable(dataset)), "--summary of a sweep adds more"
         raise InputError(f"variable {variable!r}: is not in this file, which has {there}; {more}")
@@ -73,20 +44,7 @@ def curves(dataset: xr.Dataset, variable: str) -> list[tuple[str, xr.DataArray]]
 
 
 def ordinate(dataset: xr.Dataset, variable: str) -> str:
-    """Name and unit of a variable, as the label of an axis.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    variable : str
-        One of `drawable`.
-
-    Returns
-    -------
-    str
-        The label, ready for matplotlib: ``largest stress [MPa]``.
-    """
+    """Name and unit of a drawable variable, as the label of an axis: ``largest stress [MPa]``."""
     quantity, _, kind = variable.rpartition("_")
     text = _NAMES.get(variable) or f"{_KINDS[kind]} {quantity.replace('_', ' ')}"
     unit = _PREFIXES[_exponent(dataset, variable)] + written(str(dataset[variable].attrs["units"]))
@@ -94,7 +52,7 @@ def ordinate(dataset: xr.Dataset, variable: str) -> str:
 
 
 def _exponent(dataset: xr.Dataset, variable: str) -> int:
-    """Power of ten of the unit's prefix; impulses, and what has no unit to put it before, have none."""
+    """Power of ten of the unit's prefix; impulses, shares and rates have none."""
     size = float(np.nanmax(np.abs(dataset[variable].values), initial=0.0))
     units = str(dataset[variable].attrs["units"])
     if variable == IMPULSE or units in ("1", "s-1") or not 0 < size < np.inf or _PLAIN[0] <= size < _PLAIN[1]:
@@ -103,18 +61,5 @@ def _exponent(dataset: xr.Dataset, variable: str) -> int:
 
 
 def where(dataset: xr.Dataset, variable: str) -> str:
-    """Where along the beam a variable is looked at.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Dataset of a sweep.
-    variable : str
-        One of `drawable`.
-
-    Returns
-    -------
-    str
-        Nothing for what belongs to a stop.
-    """
+    """The place along the beam at which a drawable variable is looked at; nothing for a variable of a stop."""
     return "" if "stop" in dataset[variable].dims else "where it is largest along the beam"

@@ -26,122 +26,41 @@ _BREAKS = "_/-.,:;"
 
 
 def literal(text: str) -> str:
-    """Text for matplotlib to draw as it is: on one line, and no part of it as mathematics.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text with its dollar signs escaped.
-    """
+    """Text for matplotlib to draw as it is: on one line, its dollar signs escaped so that no part is mathematics."""
     return plain(text).replace("$", r"\$")
 
 
 def plain(text: str) -> str:
-    """Text on one line, with a space for every run of white space and characters that cannot be drawn.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-
-    Returns
-    -------
-    str
-        The text on one line.
-    """
+    """Text on one line, with a space for every run of white space and of characters that cannot be drawn."""
     drawn = "".join(sign if sign.isprintable() or sign == "\u00a0" else "\n" for sign in text)
     return re.sub("\n+", " ", drawn).strip(" ")
 
 
 def error_text(error: float | None) -> str:
-    """A numerical error in two digits.
-
-    Parameters
-    ----------
-    error : float or None
-        The error, in any unit.
-
-    Returns
-    -------
-    str
-        A question mark where none can be stated, nothing where none was estimated.
-    """
+    """A numerical error in two digits; a question mark where none can be stated, nothing where none was estimated."""
     if not error:
         return "" if error is None else "0"
     return f"{error:.1e}" if error < float("inf") else "?"
 
 
 def hertz(angular_frequency: float) -> str:
-    """A frequency in Hz, to four digits.
-
-    Parameters
-    ----------
-    angular_frequency : float
-        rad/s.
-
-    Returns
-    -------
-    str
-        The number.
-    """
+    """An angular frequency, rad/s, in Hz, to four digits."""
     return f"{angular_frequency / (2 * math.pi):.4g}"
 
 
 def frequency_text(angular_frequency: float) -> str:
-    """A frequency in both units.
-
-    Parameters
-    ----------
-    angular_frequency : float
-        rad/s.
-
-    Returns
-    -------
-    str
-        As ``190 rad/s (30.24 Hz)``.
-    """
+    """An angular frequency, rad/s, in both units: ``190 rad/s (30.24 Hz)``."""
     return f"{angular_frequency:g} rad/s ({hertz(angular_frequency)} Hz)"
 
 
 def legend_label(name: str) -> str:
-    """A name that matplotlib shows in a legend.
-
-    Matplotlib leaves out names that begin with an underscore; these get a thin space before it.
-
-    Parameters
-    ----------
-    name : str
-        Any name.
-
-    Returns
-    -------
-    str
-        The name, with a thin space before it if it begins with an underscore.
-    """
+    """A name with a thin space before a leading underscore: matplotlib leaves such names out of a legend."""
     return f"\u200a{name}" if name.startswith("_") else name
 
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float = SMALL) -> float:
-    """The width of one line of text; dollar signs in it do not make it mathematics.
-
-    Parameters
-    ----------
-    text : str
-        One line.
-    size : float
-        Size of the font, points.
-
-    Returns
-    -------
-    float
-        Width, inches.
-    """
+    """The width, inches, of one line of text; dollar signs in it do not make it mathematics."""
     from matplotlib.font_manager import FontProperties
 
     with boxes_for_unknown_signs():
@@ -166,22 +85,7 @@ def boxes_for_unknown_signs() -> Iterator[None]:
 
 
 def shortened(text: str, room: float, size: float = SMALL) -> str:
-    """Text on one line, with an ellipsis for its middle if it is too wide.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-    room : float
-        Largest width, inches.
-    size : float
-        Size of the font, points.
-
-    Returns
-    -------
-    str
-        The text or its two ends.
-    """
+    """Text on one line, with an ellipsis for its middle if it is wider than `room`, inches."""
     text = plain(text)
     if width_of(text, size) <= room:
         return text
@@ -189,20 +93,7 @@ def shortened(text: str, room: float, size: float = SMALL) -> str:
 
 
 def cut_to(text: str, most: int) -> str:
-    """Text on one line, with an ellipsis for its middle if it has too many characters.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-    most : int
-        Largest number of characters.
-
-    Returns
-    -------
-    str
-        The text or its two ends.
-    """
+    """Text on one line, with an ellipsis for its middle if it has more than `most` characters."""
     text = plain(text)
     return text if len(text) <= most else _longest_cut(text, lambda cut: len(cut) <= most)
 
@@ -222,20 +113,7 @@ def _cut(text: str, kept: int) -> str:
 
 
 def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
-    """Shorten names so that they stay different: those that become equal get their numbers before them.
-
-    Parameters
-    ----------
-    names : sequence of str
-        The names.
-    shorten : callable
-        From a name to the short one, with an ellipsis where it is cut.
-
-    Returns
-    -------
-    list of str
-        A short name for each.
-    """
+    """Shorten names so that they stay different: names that become equal get their numbers before them."""
     short = [shorten(name) for name in names]
     return [
         shorten(f"{i + 1}: {plain(name)}") if short.count(cut) > 1 and "…" in cut else cut
@@ -244,22 +122,7 @@ def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
 
 
 def wrapped(text: str, room: float, size: float = SMALL) -> list[str]:
-    """Wrap text; each of its own lines takes a few lines at most, and an ellipsis stands for the rest.
-
-    Parameters
-    ----------
-    text : str
-        Text of one or several lines.
-    room : float
-        Largest width of a line, inches.
-    size : float
-        Size of the font, points.
-
-    Returns
-    -------
-    list of str
-        The lines.
-    """
+    """Lines of at most `room`, inches; each line of the text takes a few at most, an ellipsis stands for the rest."""
     return [line for part in text.splitlines() for line in _first(_filled(part, room, size), room, size)]
 
 
@@ -282,10 +145,10 @@ def _filled(text: str, room: float, size: float) -> list[str]:
 
 
 def _pieces(text: str, room: float, size: float) -> list[str]:
-    """The pieces that lines are made of, each with the space before it.
+    """The pieces that lines are made of, each with the space before it: words, or parts of words that are too wide.
 
-    A piece is a word.  A word that is wider than `room`, inches, is split at fixed spaces, then after the characters
-    `_BREAKS`, and at last anywhere.
+    A word wider than `room`, inches, is split at fixed spaces, then after the characters `_BREAKS`, and at last
+    anywhere.
     """
     pieces = [f" {word}" for word in plain(text).split(" ") if word]
     for between in ("(?=\u00a0)", f"(?<=[{re.escape(_BREAKS)}])"):

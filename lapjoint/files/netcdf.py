@@ -1,7 +1,7 @@
-"""Datasets as NetCDF files that tell by themselves whether they are whole.
+"""Datasets as NetCDF files that show whether they are whole.
 
-A file has an attribute more than its dataset, ``checksum``: the digest of all its bytes, those of the digest itself
-taken for zeros.
+Besides the attributes of its dataset a file has ``checksum``: the digest of all its bytes, with zeros in place of the
+digest.
 """
 
 from __future__ import annotations
@@ -25,20 +25,7 @@ _SEALED = re.compile(re.escape(_SEAL) + b"([0-9a-f]{64})")
 
 
 def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset with its checksum; an older file of that name stays until the new one is complete.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        What is written.
-    path : str or Path
-        The file.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written.
-    """
+    """Write a dataset with its checksum; an older file of that name stays until the new one is complete."""
     content, room = io.BytesIO(), secrets.token_hex(len(_ZEROS) // 2)
     encoding = {name: {"_FillValue": None} for name in dataset.variables if dataset[name].dtype.kind != "O"}
     sealed = dataset.assign_attrs(checksum=f"{_SEAL.decode()}{room}")
@@ -48,13 +35,7 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def is_whole(raw: bytes) -> bool:
-    """Whether the bytes of a file hold their own digest.
-
-    Parameters
-    ----------
-    raw : bytes
-        All that is in the file.
-    """
+    """Whether the bytes of a file hold their own digest."""
     return any(_digest(raw[: at.start(1)], raw[at.end(1) :]) == at[1] for at in _SEALED.finditer(raw))
 
 

@@ -1,4 +1,4 @@
-"""Plain text: a duration in words, and text from files and arguments, made harmless for who would obey a part of it.
+"""Plain text: durations in words, and text from files and arguments made harmless to terminals and spreadsheets.
 
 A terminal obeys control sequences, and a spreadsheet computes formulas.  Titles and names come from files, which others
 may have written.
@@ -10,40 +10,18 @@ import re
 
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _FORMULA = re.compile(r"[\s\x00-\x1f]*[=+\-@]|[\t\r]")
-"""Beginning of a text that spreadsheets compute: what they skip, then a sign that begins a formula."""
+"""Beginning of a text that spreadsheets compute: signs that they skip, then one that begins a formula."""
 
 
 def escaped(text: str) -> str:
-    """Text for a terminal: each character that is neither printable nor an end of line is written as its number.
-
-    Parameters
-    ----------
-    text : str
-        Any text, as ``a\\x1b[2Jb``.
-
-    Returns
-    -------
-    str
-        The text with a backslash, a letter and hexadecimal digits for each such character, as ``a\\\\x1b[2Jb``.
-    """
+    """Text for a terminal: characters other than printable ones and ends of lines are written like ``\\x1b``."""
     if text.isprintable():
         return text
     return "".join(sign if sign.isprintable() or sign in "\n\u00a0" else _number(sign) for sign in text)
 
 
 def no_formula(cell: object) -> object:
-    """A cell of a table that a spreadsheet does not compute.
-
-    Parameters
-    ----------
-    cell : object
-        Anything; numbers, and texts that are numbers, stay as they are.
-
-    Returns
-    -------
-    object
-        The cell; a text that spreadsheets take for a formula begins with an apostrophe.
-    """
+    """A cell of a table that no spreadsheet computes: a text that looks like a formula begins with an apostrophe."""
     if isinstance(cell, str) and _FORMULA.match(cell) and not _NUMBER.fullmatch(cell) and cell != "-":
         return f"'{cell}"
     return cell
@@ -55,18 +33,7 @@ def _number(sign: str) -> str:
 
 
 def duration_text(seconds: float) -> str:
-    """A duration for a person.
-
-    Parameters
-    ----------
-    seconds : float
-        s.
-
-    Returns
-    -------
-    str
-        As ``40 s``, ``12 min`` or ``3 h 20 min``.
-    """
+    """A duration, given in s, as ``40 s``, ``12 min`` or ``3 h 20 min``."""
     if seconds < 100:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)

@@ -1,7 +1,7 @@
-"""Files that a user names are read here: a problem, a dataset, a record.
+"""Reading of files that a user names: a problem, a dataset, a record.
 
-What is no regular file, such as a pipe, is read too, for shells make one of `<(command)`.  But it may have no end, as
-`/dev/zero` has none, and would fill the memory until the system ends the process; so it is read up to a limit.
+Pipes are read, too, as shells make one of `<(command)`.  A pipe or a device may have no end, as `/dev/zero`, and would
+fill the memory; it is read up to a limit.
 """
 
 from __future__ import annotations
@@ -13,29 +13,13 @@ from pathlib import Path
 from lapjoint.errors import InputError
 
 MOST_FROM_PIPES = 100_000_000
-"""Most bytes of what is no regular file: as large as the problem file of a million stops, and far larger than a dataset
-of 5000 points."""
+"""Most bytes from a pipe or a device: as many as in the problem file of a million stops."""
 
 
 def read_file(path: str | Path, name: str = "") -> bytes:
-    """Everything that a file holds.
+    """Everything that a file, a pipe or a device holds; messages call it `name`, by default its path.
 
-    Parameters
-    ----------
-    path : str or Path
-        The file; a pipe or a device, too.
-    name : str, optional
-        What messages call it; by default the path.
-
-    Returns
-    -------
-    bytes
-        What it holds.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, or is a pipe or a device that gives more than `MOST_FROM_PIPES` bytes.
+    An `InputError` says that it cannot be read, or that a pipe or a device gives more than `MOST_FROM_PIPES` bytes.
     """
     name = name or str(path)
     try:

@@ -1,8 +1,8 @@
 """Files that are replaced whole or not at all.
 
-What is written goes to a temporary file in the folder of its target, with a random name, and takes the target's name
-when it is complete and on the disk.  After Ctrl-C, an error or a full disk the target is what it was
-before, and the temporary file is gone; several processes may write one target at once, and the last to finish wins.
+Content goes to a temporary file with a random name in the folder of its target, which takes the target's name when it
+is complete and on the disk.  After Ctrl-C, an error or a full disk the target is unchanged, and the temporary file is
+gone. Several processes may write one target at once; the last to finish wins.
 """
 
 from __future__ import annotations
@@ -20,26 +20,13 @@ from pathlib import Path
 from lapjoint.errors import OutputError
 
 _LONGEST_STEM = 40
-"""Most characters of the target's name in that of its temporary file; names may have 255 bytes in all."""
+"""Most characters of the target's name in the name of its temporary file; names may have 255 bytes in all."""
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 """Flags that open a file only if nothing has its name, not even a link."""
 
 
 def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
-    """Write bytes, or text as UTF-8 with its line ends as they are.
-
-    Parameters
-    ----------
-    path : path
-        The file; see `completed` for links and devices.
-    content : str or bytes-like
-        All that will be in it.
-
-    Raises
-    ------
-    OutputError
-        If no file can be written there, or it cannot be completed, as on a full disk.
-    """
+    """Write bytes, or text as UTF-8 with its line ends as they are; see `completed` for links and devices."""
     try:
         raw = content.encode() if isinstance(content, str) else content
         with completed(path) as unfinished, open(unfinished, "wb") as file:
@@ -53,23 +40,8 @@ def completed(path: str | Path) -> Iterator[Path]:
     """Give an empty temporary file, with the ending of its target, to write to; then it takes the target's name.
 
     A target that is a link is replaced where the link points to; a device or a pipe is written to when all is there.
-    The temporary file is made without following a link.  A new file has the rights that the system gives to new files;
-    one that is replaced keeps its own.
-
-    Parameters
-    ----------
-    path : path
-        The target.
-
-    Yields
-    ------
-    Path
-        The temporary file, in the folder of the target.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written; `unwritable` says so in words.
+    The temporary file is made without following a link. A new file has the rights that the system gives to new files;
+    one that is replaced keeps its own. `unwritable` puts an `OSError` into words.
     """
     mode = _mode_of(path)
     if mode is not None and not stat.S_ISREG(mode):
@@ -98,22 +70,8 @@ def completed(path: str | Path) -> Iterator[Path]:
 def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iterator[Path]:
     """Give an empty temporary folder within `folder` to write the files of a series to; then they move to `folder`.
 
-    Parameters
-    ----------
-    folder : Path
-        Where the files go.  What is in a subfolder moves first, so that an index beside it never lists what is missing.
-    remove_earlier : callable
-        Takes nothing, and removes the files of an earlier series; called when the new one is complete.
-
-    Yields
-    ------
-    Path
-        The temporary folder.
-
-    Raises
-    ------
-    OSError
-        If the files cannot be written; `unwritable` says so in words.
+    Files in a subfolder move first, so that an index beside it never lists a file that is missing. `remove_earlier`
+    removes the files of an earlier series; it is called when the new series is complete.
     """
     with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
         draft = Path(name)
@@ -129,7 +87,7 @@ def completed_series(folder: Path, remove_earlier: Callable[[], object]) -> Iter
 
 
 def _check_place(path: Path, folder: Path) -> None:
-    """Refuse, before anything is removed, to move a file to where a directory is, or into what is none."""
+    """Refuse, before anything is removed, to move a file onto a directory, or into a path that is no directory."""
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     above = path.parent
@@ -138,20 +96,7 @@ def _check_place(path: Path, folder: Path) -> None:
 
 
 def unwritable(path: str | Path, error: OSError | ValueError) -> OutputError:
-    """The error to raise where a file cannot be written.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    error : OSError or ValueError
-        What the system raised.
-
-    Returns
-    -------
-    OutputError
-        It names the file, and says why, in the system's words where it is the system that refuses.
-    """
+    """The error to raise where a file cannot be written: it names the file, and says why."""
     reason = error.strerror if isinstance(error, OSError) and error.strerror else error
     if isinstance(error, UnicodeEncodeError):
         reason = "its name, or a text in it, has characters that UTF-8 does not hold"

@@ -1,1 +1,1 @@
-"""What the machine lends to a computation: processes, memory, threads of linear algebra, search for garbage."""
+"""What the machine lends to a computation: processes, memory, threads of linear algebra."""

@@ -1,7 +1,7 @@
-"""Memory that a solver is going to take: said where it is much, and refused where it is too much.
+"""Memory that a solver is going to take: logged if it is much, and refused if it is too much.
 
-A process that takes more memory than there is is ended by the system, without a word.  A solver knows how large its
-tables and its record of a motion are before it makes them, and asks `require` first.
+The system ends a process that takes more memory than there is, without a message.  A solver knows the sizes of its
+tables and of its record of a motion before it makes them, and calls `require` first.
 """
 
 from __future__ import annotations
@@ -17,23 +17,18 @@ from lapjoint.errors import SolverError
 
 LOGGER = logging.getLogger(__name__)
 WORTH_SAYING = 500_000_000
-"""Bytes from which memory is spoken of: as much as exports write without being told to."""
+"""Bytes from which on memory is logged: the size of the largest export without --large."""
 SHARE = 0.25
-"""Largest share of the machine's memory that one motion may take.  A finer self of the solver marches beside it to
-state its errors, and takes up to 2.25 times as much, with 1.5 times as many modes: 0.81 in all."""
-_UNKNOWN = 8e9  # bytes that a machine is taken to have that does not say: as a usual one
+"""Largest share of the machine's memory that one motion may take.  The finer resolution that states its errors, with
+1.5 times as many modes, takes up to 2.25 times as much: 0.81 in all."""
+_UNKNOWN = 8e9
+"""Bytes of a usual machine, for one that does not state its memory."""
 _CONTAINER = Path("/sys/fs/cgroup/memory.max")
 
 
 @cache
 def machine_bytes() -> float:
-    """The memory of this machine, or of the container that the process is in.
-
-    Returns
-    -------
-    float
-        Bytes.
-    """
+    """The memory of this machine, or of the container that the process is in, bytes."""
     found = _UNKNOWN
     with suppress(AttributeError, ValueError, OSError):
         found = float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
@@ -43,23 +38,10 @@ def machine_bytes() -> float:
 
 
 def require(size: float, what: str, remedy: str, before: float = 0.0) -> None:
-    """Say that memory is going to be taken if it is much, and refuse if it is too much.
+    """Log that `what` takes `size` bytes if that is much, and refuse it, with a `remedy`, above `SHARE` of the
+    machine's.
 
-    Parameters
-    ----------
-    size : float
-        How much in all, bytes.
-    what : str
-        What takes it, in the plural, with what decides how much.
-    remedy : str
-        What makes it less.
-    before : float
-        How much was asked for before, bytes: it is spoken of again only when it has doubled since.
-
-    Raises
-    ------
-    SolverError
-        If it is more than `SHARE` of the machine's memory.
+    `what` is in the plural, with what decides its size. A size is logged again only when it has doubled since `before`.
     """
     most = SHARE * machine_bytes()
     if size > most:

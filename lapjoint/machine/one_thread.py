@@ -1,8 +1,8 @@
-"""Linear algebra in one thread, so that no bit of an answer depends on how many processors a machine has.
+"""Linear algebra in one thread, so that no bit of an answer depends on the number of processors.
 
-BLAS splits the product of two matrices among its threads, and the sums come out differently in their last bits.  Where
-a transient is chaotic, that decides which motion is reached.  The matrices here are too small to gain from threads;
-sweeps gain from processes.
+BLAS splits the product of two matrices among its threads, which changes the last bits of sums.  In a chaotic transient
+last bits decide which motion is reached.  The matrices here are too small to gain from threads; sweeps gain from
+processes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class _Limit:
         self._threads = 0
         """Number of threads of this process that need the limit."""
         self._before: list[int | None] = []
-        """Numbers of threads of the libraries before the first of them needed it."""
+        """Numbers of threads of the libraries before the first thread needed the limit."""
 
     def __enter__(self) -> None:
         self._here.depth = getattr(self._here, "depth", 0) + 1
@@ -51,7 +51,7 @@ class _Limit:
 
 
 def _set(library: Any, threads: int | None) -> None:
-    """Set the number of threads of a library, whichever thread of this process has set it last, or will next."""
+    """Set the number of threads of a library, from any thread of this process."""
     # threadpoolctl 3.7 lets only the thread that set OpenBLAS first set it again; a call of any other does nothing.
     release = getattr(library, "clear_controlling_thread", lambda force: None)
     release(force=True)
@@ -77,16 +77,6 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     The limit holds for the process, in all of its threads, until the last such function returns; then the number of
     threads is what it was before the first.
-
-    Parameters
-    ----------
-    function : callable
-        The function.
-
-    Returns
-    -------
-    callable
-        The same function under the limit.
     """
 
     @wraps(function)
@@ -98,18 +88,7 @@ def in_one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def each_in_one_thread(items: Iterator[R]) -> Iterator[R]:
-    """The same items, each of which is made under the limit; between them the limit does not hold.
-
-    Parameters
-    ----------
-    items : iterator
-        Makes them one after the other.
-
-    Yields
-    ------
-    object
-        The items.
-    """
+    """The items of an iterator, each made under the limit; between them the limit does not hold."""
     more = True
     while more:
         with _LIMIT:

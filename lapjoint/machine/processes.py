@@ -1,6 +1,6 @@
-"""A pool of processes that ends when it should: at Ctrl-C, after an error, and with the process that made it.
+"""A pool of processes that ends at Ctrl-C, after an error, and with the process that made it.
 
-A process of the pool ignores Ctrl-C, which a terminal sends to it too, so that only the parent answers it.
+The processes of the pool ignore Ctrl-C, which a terminal sends to them, too: only the parent answers it.
 """
 
 from __future__ import annotations
@@ -21,34 +21,16 @@ from lapjoint.errors import SolverError
 T = TypeVar("T")
 
 LOOK = 1.0
-"""Time between two looks at the processes of a pool, while no task is finished, s: seldom enough to cost nothing."""
+"""Time between two looks for dead processes of a pool while no task is finished, s: seldom enough to cost nothing."""
 PATIENCE = 5.0
 """Time within which the thread of a pool notices that its processes have ended, however busy the machine is, s."""
 MOST_STARTS = 3
-"""Number of times that a pool is started, if its processes die before they do anything; one death may be chance."""
+"""Number of times that a pool is started if its processes die at once; one death may be chance."""
 
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool of processes for the time of a block.
-
-    If the block raises, as at Ctrl-C, its processes end at once, whatever they are doing.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes, at least 1.
-
-    Yields
-    ------
-    ProcessPoolExecutor
-        A pool whose processes are known to start.
-
-    Raises
-    ------
-    SolverError
-        If the processes do not start.
-    """
+    """A pool of processes, known to start, for the time of a block; if the block raises, they end at once."""
     pool = new_pool(workers)
     try:
         yield pool
@@ -57,13 +39,7 @@ def process_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 class StandingPool:
-    """A pool of processes that is kept from task to task, and made again when one of them dies.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes, at least 1.
-    """
+    """A pool of some processes that is kept from task to task, and made again when one of them dies."""
 
     def __init__(self, workers: int) -> None:
         self.workers = workers
@@ -71,13 +47,7 @@ class StandingPool:
 
     @property
     def pool(self) -> ProcessPoolExecutor:
-        """The pool, whose processes start when it is first asked for.
-
-        Raises
-        ------
-        SolverError
-            If they do not start.
-        """
+        """The pool, whose processes start when it is first asked for; a `SolverError` if they do not."""
         if self._pool is None:
             self._pool = new_pool(self.workers)
         return self._pool
@@ -91,18 +61,7 @@ class StandingPool:
 
 @contextmanager
 def standing_pool(workers: int) -> Iterator[StandingPool]:
-    """A pool that is kept for the time of a block, and starts when it is first asked for.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes, at least 1.
-
-    Yields
-    ------
-    StandingPool
-        The pool; when the block ends, its processes end at once.
-    """
+    """A `StandingPool` for the time of a block; its processes end at once when the block ends."""
     pool = StandingPool(workers)
     try:
         yield pool
@@ -111,23 +70,7 @@ def standing_pool(workers: int) -> Iterator[StandingPool]:
 
 
 def new_pool(workers: int) -> ProcessPoolExecutor:
-    """A pool whose processes are known to start; `end_pool` ends it.
-
-    Parameters
-    ----------
-    workers : int
-        Number of processes, at least 1.
-
-    Returns
-    -------
-    ProcessPoolExecutor
-        They start anew, without the memory of this process, and leave Ctrl-C to it.
-
-    Raises
-    ------
-    SolverError
-        If the processes do not start.
-    """
+    """A pool whose processes are known to start, anew and deaf to Ctrl-C, else a `SolverError`; `end_pool` ends it."""
     for _ in range(MOST_STARTS):
         pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
         try:
@@ -151,27 +94,11 @@ def new_pool(workers: int) -> ProcessPoolExecutor:
 
 
 def first_finished(pool: ProcessPoolExecutor, tasks: Collection[Future[T]]) -> set[Future[T]]:
-    """Wait until a task of a pool is finished, or a process of the pool is dead.
+    """Wait until one or more tasks of a pool are finished, be it with an error, and return them.
 
-    A pool that breaks at the moment when it takes a task forgets the task; and one whose process dies while it sends an
-    answer waits for the rest of it.  Neither ever finishes its tasks.
-
-    Parameters
-    ----------
-    pool : ProcessPoolExecutor
-        A pool from `new_pool`.
-    tasks : collection of Future
-        Tasks that it was given, at least one.
-
-    Returns
-    -------
-    set of Future
-        Those that are finished, be it with an error: at least one.
-
-    Raises
-    ------
-    BrokenProcessPool
-        If none is, and a process of the pool is dead.
+    A `BrokenProcessPool` says that none is, and a process of the pool is dead. A pool that breaks at the moment when it
+    takes a task forgets the task, and one whose process dies while it sends an answer waits for the rest of it: neither
+    ever finishes its tasks.
     """
     processes = [process.sentinel for process in (pool._processes or {}).values()]
     while True:
@@ -184,13 +111,7 @@ def first_finished(pool: ProcessPoolExecutor, tasks: Collection[Future[T]]) -> s
 
 
 def end_pool(pool: ProcessPoolExecutor) -> None:
-    """End the processes of a pool at once, whatever they are doing.
-
-    Parameters
-    ----------
-    pool : ProcessPoolExecutor
-        A pool from `new_pool`; it cannot be used afterwards.
-    """
+    """End the processes of a pool at once, whatever they are doing; it cannot be used afterwards."""
     processes = list((pool._processes or {}).values())
     answers: Any = pool._result_queue
     manager: threading.Thread | None = pool._executor_manager_thread  # type: ignore[assignment]  # the stubs are wrong
@@ -205,7 +126,7 @@ def end_pool(pool: ProcessPoolExecutor) -> None:
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while processes are started: they inherit that, and the parent gets it afterwards."""
+    """Block Ctrl-C while processes are started: they inherit the block, and the parent gets Ctrl-C afterwards."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,7 +1,6 @@
-"""Results that are kept for later calls, up to a number of them and up to a size of their arrays.
+"""Caches of results with a bound on their number and on the size of their arrays.
 
-`functools.lru_cache` bounds the number alone: of what takes 15 kB with 20 modes it keeps as many with 500, where each
-takes 2 MB.
+`functools.lru_cache` bounds the number alone: results of 15 kB with 20 modes take 2 MB each with 500.
 """
 
 from __future__ import annotations
@@ -18,22 +17,14 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 MOST_BYTES = 100_000_000
-"""Size of the arrays that one function keeps at most, bytes: a few such functions take less than a gigabyte."""
+"""Largest size of the arrays that one function keeps, bytes: a few such functions take less than a gigabyte."""
 
 
 class ResultCache(Generic[P, T]):
-    """A function whose latest results are kept; the last one is, however large it is.
+    """A function of positional hashable arguments whose latest results are kept; the last one is, however large it is.
 
-    Threads may call it: two that miss the same result at once both make it.
-
-    Parameters
-    ----------
-    make : callable
-        The function, of positional arguments that are hashable.
-    most : int
-        Number of results that are kept.
-    most_bytes : int
-        Size of their arrays, bytes.
+    It keeps at most `most` results, and at most `most_bytes` bytes of arrays. Threads may call it: two that miss the
+    same result at once both make it.
     """
 
     def __init__(self, make: Callable[P, T], most: int, most_bytes: int) -> None:
@@ -66,36 +57,12 @@ class ResultCache(Generic[P, T]):
 
 
 def cached(most: int, most_bytes: int = MOST_BYTES) -> Callable[[Callable[P, T]], ResultCache[P, T]]:
-    """Decorate a function so that its latest results are kept; see `ResultCache`.
-
-    Parameters
-    ----------
-    most : int
-        Number of results that are kept.
-    most_bytes : int
-        Size of their arrays, bytes.
-
-    Returns
-    -------
-    callable
-        The decorator.
-    """
+    """A decorator that keeps the latest results of a function; see `ResultCache`."""
     return lambda make: ResultCache(make, most, most_bytes)
 
 
 def bytes_in(value: object) -> int:
-    """The size of the arrays that a value holds, in its fields and items, too.
-
-    Parameters
-    ----------
-    value : object
-        An array, a tuple, or an object with fields; anything else counts as nothing.
-
-    Returns
-    -------
-    int
-        Bytes; an array that is held twice counts twice.
-    """
+    """The size of the arrays in a value, in its fields and its items, bytes; an array held twice counts twice."""
     if isinstance(value, np.ndarray):
         return value.nbytes
     if isinstance(value, tuple):

@@ -1,11 +1,13 @@
 """Periodic motions of any solver: found by Newton's method on its period map, judged, and certified.
 
-`period_map` is what a solver gives, `segments` its orbits from switch to switch, `finite_differences` what it need not
-give; `half_periods` is the map over half periods.  `search` marches, and asks the others: `newton` for orbits,
-`least_period` for their least period, `approach` and `watch` (inner loops in `compiled_intervals` and `compiled_watch`)
-whether the march is bound for one, `unstable` how it leaves an unstable one, `wandering` and `exponent` what a march
-shows that does not repeat.  `steady_state` makes an answer of what was found; `parameters` has the numbers of the
-excitation; `arcs` is what a solver gives to continue motions with a given contact sequence.
+A solver gives a `period_map` and, in `segments`, its orbits from switch to switch; `finite_differences` take the place
+of a derivative that it does not give.  `half_periods` is the map over half periods.  `search` marches; it finds orbits
+by `newton` and their `least_period`, tests by `approach` and `watch` (inner loops in `compiled_intervals` and
+`compiled_watch`) whether the march is bound for one, and pushes a march off an `unstable` one.  `wandering` and
+`exponent` judge a march that does not repeat.  `steady_state` makes an answer of the motion found, with errors by
+`orbit_errors`, `contact_errors` and `refinement`.  `binding` finds the ends of many starts (`displaced`, `ensemble`,
+`certified`, `trapping`).  For branches, `parameters` has derivatives by the excitation, and `arcs` motions with a given
+contact sequence.
 """
 
 from lapjoint.orbits.period_map import Followed, Follows, Linearised, Passage, PeriodMap, Tangent

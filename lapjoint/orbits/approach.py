@@ -1,23 +1,23 @@
 r"""Whether a march is bound for a stable orbit, for all time to come.
 
 A march deviates from the orbit by e now, and by e_k = M^k e after k periods of the orbit, M being the derivative of its
-map, so long as it makes the switches that the orbit makes, and no other.  It does if, for all k >= 0,
+map, so long as the march makes the switches that the orbit makes, and no others.  The march does if, for all k >= 0,
 
-    |D e_k| <= c |h|                  at every stop and phase: the deviation touches nothing that the orbit does not;
-    |X e_k| / r <= spacing / 3        at every switch: it moves by far less than the time to that stop's next one,
-    3 (|X e_k| / r) |h''| <= r        where the stop is crossed at a rate that hardly changes,
-    |X' e_k| <= r / 2                 and that the deviation hardly changes,
+    |D e_k| <= c |h|                  at every stop and phase: the deviation touches no further stop; |X e_k| / r <=
+    spacing / 3        at every switch: it moves by far less than the time to the next switch of its stop, 3 (|X e_k| /
+    r) |h''| <= r        the stop is crossed at a rate that hardly changes, |X' e_k| <= r / 2                 and that
+    the deviation hardly changes,
 
 with D the deviation's motion at the stop, h the stop's gap function, r = |h'| at a switch, X and X' the rows that give
 h and h' there from the deviation (`lapjoint.orbits.watch`).  Within three shifts |X e_k| / r of a stop's own switch the
-first does not apply.  An orbit without switches has an exactly linear map, so c is just below one; else the conditions
-leave room for what is not linear.
+first condition does not apply.  An orbit without switches has an exactly linear map, and c is just below one; else the
+conditions leave room for the nonlinear part of the map.
 
-The first k are looked at one by one.  Of late k the slow eigenvectors V of M are left, and
+The first k are looked at one by one.  For late k only the slow eigenvectors V of M matter, and
 
     |D e_k| <= sum_i |D V_i| |lambda_i|^K |a_i|,    a = V^-1 e,    k >= K
 
-settles the rest at once.  If some k fails, the last one says how long to march on before it is worth looking again.
+settles all of them at once.  If some k fails, the last one says how long to march before it is worth looking again.
 """
 
 from __future__ import annotations
@@ -32,32 +32,29 @@ from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
 
 LINEAR = 0.9
-"""Share c of the distance to a stop that a deviation may take where the orbit has no switch.  The map is exactly linear
-there; a smaller share would leave lightly damped motions undecided for longer."""
+"""Largest share c of the distance to a stop that a deviation may take if the orbit has no switch.  The map is then
+exactly linear; a smaller share would leave lightly damped motions undecided for longer."""
 CURVED = 0.5
-"""Share c where the orbit has switches: half of the distance is left for what the linearised map misses."""
+"""Largest share c if the orbit has switches: half of the distance is left for what the linearised map misses."""
 _SHIFTS = 3.0
-"""Number of shifts |X e_k| / r of a switch: nearer to it than this, in time, whether the stop is closed depends on the
-shift, so the distance is not looked at.  Two shifts make orbits marginal, and cost twice as much marching."""
+"""Time from a switch, in shifts |X e_k| / r, within which the distance to its stop does not matter: whether the stop is
+closed there depends on the shift.  With two shifts orbits become marginal, and cost twice as much marching."""
 RATE = 0.5
-"""Share of the rate at a switch that a deviation may change: so the switch keeps its direction."""
+"""Largest share of the rate at a switch that a deviation may change; the switch then keeps its direction."""
 _FIRST, _MOST = 16, 1024
-"""Numbers of deviations that are looked at together, at first and at most: blocks make use of fast matrix products."""
+"""Numbers of deviations e_k that are looked at together, first and at most: blocks make fast matrix products."""
 _NOTHING = 1e-13
-"""Size of a deviation over that of the orbit up to which it is rounding."""
+"""Largest deviation that is rounding, over the size of the orbit."""
 _DECAYED = 1e-12
-"""Size of the part of a deviation along an eigenvector, over the size of the orbit, up to which it is left out."""
+"""Largest part of a deviation along an eigenvector that is neglected, over the size of the orbit."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What becomes of a deviation."""
+    """How long a deviation breaks the conditions of this module's head."""
 
     fails: int
-    """Number of the orbit's periods to march before looking again; after these the conditions hold for some time.
-
-    It is 0 if the conditions hold from the start and for all time.
-    """
+    """Periods of the orbit to march before looking again; 0 if the conditions hold from the start and for all time."""
 
     @property
     def bound(self) -> bool:
@@ -73,27 +70,11 @@ def forecast(
     size: float,
     most: int,
 ) -> Forecast:
-    """What becomes of a deviation from a stable orbit.
+    """Whether a march is bound for a stable orbit by its deviation e, or how long to march before looking again.
 
-    Parameters
-    ----------
-    watch : Watch
-        The orbit's distances from its stops.
-    matrix : FloatArray, shape (n, n)
-        Derivative M of its map, in the solver's own coordinates.
-    vectors : ComplexArray, shape (n, n)
-        Eigenvectors of M as columns; all its eigenvalues lie within the unit circle.
-    deviation : FloatArray, shape (n,)
-        The deviation e at the start of the orbit, in the same coordinates.
-    size : float
-        Euclidean norm of the orbit's section point, in the same coordinates.
-    most : int
-        Largest number of the orbit's periods that are looked at one by one.
-
-    Returns
-    -------
-    Forecast
-        Whether the march is bound for the orbit, and if not, how long to march before looking again.
+    `matrix`, (n, n), is the derivative M of the orbit's map; `vectors`, (n, n), has its eigenvectors as columns;
+    `deviation`, (n,), is e at the start of the orbit; `size` is the Euclidean norm of the orbit's section point. All
+    are in the solver's own coordinates. At most `most` periods of the orbit are looked at one by one.
     """
     share = CURVED if watch.switches.time.size else LINEAR
     power, count, done, fails = matrix, 1, 0, 0
@@ -119,21 +100,9 @@ def forecast(
 
 
 def sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
-    """Whether each of ``K`` deviations meets all conditions of this module's head, at one k.
+    """Whether each of K deviations meets all conditions of this module's head at one k, shape (K,).
 
-    Parameters
-    ----------
-    watch : Watch
-        The orbit's distances from its stops.
-    deviated : Deviated
-        What the deviations come to along the orbit, or bounds on it.
-    share : float
-        Share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
-
-    Returns
-    -------
-    ndarray of bool, shape (K,)
-        Whether each does.
+    `share` is the share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
     """
     switches, intervals = watch.switches, watch.intervals
     return np.asarray(
@@ -161,7 +130,7 @@ def _decays(
     size: float,
     share: float,
 ) -> bool:
-    """Whether the slow eigenvectors bind a deviation, and all that becomes of it later, to meet all conditions."""
+    """Whether the bound by the slow eigenvectors shows that a deviation meets all conditions now and later."""
     if float(np.linalg.norm(deviation)) <= _NOTHING * size:
         return True
     try:

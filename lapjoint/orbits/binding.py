@@ -1,12 +1,12 @@
-"""Where many starts end: each is bound to a certified motion, or said not to be.
+"""Where many starts end: each is bound to a certified motion, or found not to be.
 
-All starts march together.  Now and then each is compared with every motion that is known: it is bound to one if its
-deviation is one that the motion takes back for certain (`lapjoint.orbits.trapping`), and the march then makes the step
-that the linearised map makes (`lapjoint.orbits.search.as_linearised`).  Closeness alone binds nothing.
+All starts march together.  Now and then each is compared with every known motion.  A start is bound to a motion if its
+deviation is certain to die out (`lapjoint.orbits.trapping`), and the march then makes the step of the linearised map
+(`lapjoint.orbits.search.as_linearised`).  Closeness alone binds nothing.
 
-A start that is bound to no known motion after some time is searched as one problem is (`lapjoint.orbits.search`), from
-where it has come to.  A motion that is found so is known from then on, with its mirror image, and the others march on
-together.  What the search says of a march that does not settle is taken as it is: quasi-periodic, aperiodic, undecided.
+From a start that is bound to no known motion after some time, the march goes on alone as `lapjoint.orbits.search` has
+it. A motion that the search finds is known from then on, with its mirror image, and the other starts march on together.
+The outcome of a march that does not settle is taken from the search: quasi-periodic, aperiodic, undecided.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from lapjoint.orbits.ensemble import Ensemble, ensemble_of
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.period_map import PeriodMap, decay_periods
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, Search, as_linearised
+from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, SteadyStateSearch, as_linearised
 from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
 _STRIDE = 4
-"""Periods between two looks at first; later an eighth of what has been marched, so that looks cost little."""
+"""Periods between the first two comparisons; later an eighth of the periods marched, which costs little."""
 _PATIENCE = 64
-"""Least number of periods after which a start that is bound to no known motion is searched by itself."""
+"""Least number of periods after which a start that is bound to no known motion is searched alone."""
 _DECAY_TIMES = 8.0
-"""Decay times of the slowest free vibration that it is given at least: exp(-8) = 3e-4 of a transient is left."""
+"""Decay times of the slowest free vibration that a start marches before that: exp(-8) = 3e-4 of a transient is left."""
 
 
 @dataclass(frozen=True)
-class End:
+class StartEnd:
     """Where a start ends."""
 
     motion: int | None
-    """Index of the certified motion to which it is bound; None if it is to none."""
+    """Index of the certified motion to which the start is bound; None if there is none."""
     outcome: Outcome | None
-    """What it ends in; None where the march could not go on."""
+    """Kind of motion in which the start ends; None where the march could not go on."""
     periods: int
-    """Excitation periods marched until that was established."""
+    """Excitation periods marched until the end was established."""
     pushes: int = 0
     """How often the march was pushed off an unstable motion that it could not leave by itself."""
     message: str = ""
@@ -55,17 +55,7 @@ class End:
 
 
 class Binder:
-    """The motions of one problem that are known so far, and what binds starts to them.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    effort : Effort
-        How hard to look at each start; the growth of deviations is not measured.
-    motions : iterable of CertifiedMotion, optional
-        Motions that are known already.
-    """
+    """The known motions of one problem, to which starts are bound; the growth of deviations is not measured."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, motions: Iterable[CertifiedMotion] = ()) -> None:
         self._map, self._effort, self._half_periods = period_map, effort, HalfPeriods(period_map)
@@ -76,88 +66,77 @@ class Binder:
             self._take(motion)
 
     def again(self) -> Binder:
-        """Another one that knows what this one knows now; what it learns it keeps to itself."""
+        """A copy that knows the motions known now; motions that it finds later stay with it."""
         other = Binder(self._map, self._effort)
         other.motions, other._traps = list(self.motions), list(self._traps)
         return other
 
     @in_one_thread
-    def ends(self, starts: Sequence[SectionPoint]) -> list[End]:
-        """Where starts end; motions that are found on the way are added to `motions`.
-
-        Parameters
-        ----------
-        starts : sequence of SectionPoint
-            Points of the period map.
-
-        Returns
-        -------
-        list of End
-            One for each start.
-        """
-        party = _Party(ensemble_of(self._map, starts), len(starts))
-        while party.marching.size:
-            self._march(party, party.marched + self._patience)
+    def ends(self, starts: Sequence[SectionPoint]) -> list[StartEnd]:
+        """Where each start ends; motions that are found on the way are added to `motions`."""
+        group = _StartGroup(ensemble_of(self._map, starts), len(starts))
+        while group.marching.size:
+            self._march(group, group.marched + self._patience)
             found = False
-            while party.marching.size and not found:
-                found = self._search(party, int(party.marching[0]))
-        return [end for end in party.ends if end is not None]
+            while group.marching.size and not found:
+                found = self._search(group, int(group.marching[0]))
+        return [end for end in group.ends if end is not None]
 
     @property
     def _patience(self) -> int:
-        """Periods that starts march together before one of them is searched by itself."""
+        """Periods that starts march together before one of them is searched alone."""
         most = max(1, self._effort.max_periods // 2)
         return min(max(_PATIENCE, decay_periods(self._map, _DECAY_TIMES, most)), most)
 
-    def _march(self, party: _Party, until: int) -> None:
-        """March all together up to some number of periods, and bind those that a known motion takes back."""
+    def _march(self, group: _StartGroup, until: int) -> None:
+        """March all starts together up to some number of periods, and bind those that a known motion traps."""
         until = min(until, self._effort.max_periods)
-        while self._traps and party.marching.size:
-            self._bind(party)
-            left = until - party.marched
+        while self._traps and group.marching.size:
+            self._bind(group)
+            left = until - group.marched
             if left <= 0:
                 break
-            party.march(party.marching, min(max(_STRIDE, party.marched // 8), left))
+            group.march(group.marching, min(max(_STRIDE, group.marched // 8), left))
 
-    def _bind(self, party: _Party) -> None:
-        """Bind the starts that a known motion takes back: first by its linearised map, then by the next step."""
+    def _bind(self, group: _StartGroup) -> None:
+        """Bind the starts that a known motion traps: first by its linearised map, then by the next step."""
         for motion, trap in self._traps:
-            orbit, which = trap.orbit, party.marching
+            orbit, which = trap.orbit, group.marching
             if not which.size:
                 return
-            before = party.ensemble.deviations(which, orbit.point)
+            before = group.ensemble.deviations(which, orbit.point)
             held = trap.holds(before)
             which, before = which[held], before[held]
             if not which.size:
                 continue
-            which, before = party.stepped(which, before, self.motions[motion].period_multiple)
-            after = party.ensemble.deviations(which, orbit.point)
+            which, before = group.stepped(which, before, self.motions[motion].period_multiple)
+            after = group.ensemble.deviations(which, orbit.point)
             for j, i in enumerate(which.tolist()):
                 if as_linearised(self._half_periods, orbit, before[j], partial(after.__getitem__, j)):
-                    party.end(i, motion, self.motions[motion].outcome)
+                    group.end(i, motion, self.motions[motion].outcome)
 
-    def _search(self, party: _Party, i: int) -> bool:
-        """Search one start by itself from where it has come to; whether it found a motion that was not known."""
-        left = max(self._effort.max_periods - party.periods(i), 1)
+    def _search(self, group: _StartGroup, i: int) -> bool:
+        """Search one start alone from where it is now; whether it found a motion that was not known."""
+        left = max(self._effort.max_periods - group.periods(i), 1)
         effort = Effort(self._effort.max_period_multiple, left, self._effort.max_switches, growth=False)
-        first_look = FIRST_LOOK_NEAR if party.periods(i) else FIRST_LOOK
+        first_look = FIRST_LOOK_NEAR if group.periods(i) else FIRST_LOOK
         try:
-            found = Search(self._map, effort).run(party.ensemble.point(i), min(first_look, left))
+            found = SteadyStateSearch(self._map, effort).run(group.ensemble.point(i), min(first_look, left))
         except SolverError as error:
-            party.fail(i, str(error))
+            group.fail(i, str(error))
             return False
         accepted, motion = found.acceptance, found.motion
-        party.count(i, accepted.periods)
+        group.count(i, accepted.periods)
         if not isinstance(motion, Orbit):
-            party.end(i, None, motion.outcome, accepted.pushes)
+            group.end(i, None, motion.outcome, accepted.pushes)
             return False
         before = len(self.motions)
         index = self._take(certified(self._half_periods, motion))
-        party.end(i, index, self.motions[index].outcome, accepted.pushes)
+        group.end(i, index, self.motions[index].outcome, accepted.pushes)
         return len(self.motions) > before
 
     def _take(self, motion: CertifiedMotion) -> int:
-        """The index of a motion, which is added with its mirror image if it is not known."""
+        """The index of a motion, which is added, with its mirror image, if it is not known."""
         for i, known in enumerate(self.motions):
             if same_motion(self._half_periods, motion, known):
                 return i
@@ -169,32 +148,32 @@ class Binder:
         return index
 
 
-class _Party:
-    """Starts that march together, and the ends of those that have one."""
+class _StartGroup:
+    """Starts that march together, and the ends that are known."""
 
     def __init__(self, ensemble: Ensemble, count: int) -> None:
         self.ensemble = ensemble
-        self.ends: list[End | None] = [None] * count
+        self.ends: list[StartEnd | None] = [None] * count
         self.marching: IndexArray = np.arange(count)
         """The starts that have no end yet."""
         self.marched = 0
-        """Periods that all of these have marched at least."""
+        """Periods that all starts without an end have marched together."""
         self._more: IndexArray = np.zeros(count, dtype=np.intp)
-        """Periods that each has marched besides."""
+        """Periods that each start has marched besides."""
 
     def periods(self, i: int) -> int:
         """Periods that a start has marched."""
         return self.marched + int(self._more[i])
 
     def march(self, which: IndexArray, periods: int) -> None:
-        """March all that have no end yet."""
+        """March some starts on, and count the periods for all."""
         failed = self.ensemble.march(which, periods)
         self.marched += periods
         for i, message in failed.items():
             self.fail(i, message)
 
     def stepped(self, which: IndexArray, before: FloatArray, periods: int) -> tuple[IndexArray, FloatArray]:
-        """March some on by themselves; those whose march goes on, and their rows of `before`."""
+        """March some starts on alone; those whose march goes on, and their rows of `before`."""
         failed = self.ensemble.march(which, periods)
         self._more[which] += periods
         for i, message in failed.items():
@@ -212,5 +191,5 @@ class _Party:
 
     def end(self, i: int, motion: int | None, outcome: Outcome | None, pushes: int = 0, message: str = "") -> None:
         """Give a start its end."""
-        self.ends[i] = End(motion, outcome, self.periods(i), pushes, message)
+        self.ends[i] = StartEnd(motion, outcome, self.periods(i), pushes, message)
         self.marching = self.marching[self.marching != i]

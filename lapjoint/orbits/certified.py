@@ -1,7 +1,7 @@
-"""Motions that were certified once, known again wherever a march comes to them: by their orbits, never by impulses.
+"""Certified motions, recognised by their orbits wherever a march comes to them, never by their impulses.
 
-A motion of period multiple n has n section points, one a period.  The mirror image of a motion is a motion of its own,
-its twin, where the problem is its own mirror image and the motion is not.
+A motion of period multiple n has n section points, one a period.  If the problem is its own mirror image and a motion
+is not, the mirror image of the motion is another motion.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.trapping import Trap
 
 SAME_ORBIT = 1e-6
-"""Distance of two stable orbits over their size up to which they are one: each closes within 1e-9 of it."""
+"""Largest distance of two stable orbits that are one, over their size; each orbit closes within 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class CertifiedMotion:
     """A stable periodic motion."""
 
     points: tuple[SectionPoint, ...]
-    """Its section points, one for each of its periods of the excitation."""
+    """Its section points, one for each excitation period."""
     symmetric: bool
     """Whether half of the motion mirrors the other half."""
     outcome: Outcome
@@ -41,20 +41,7 @@ class CertifiedMotion:
 
 
 def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
-    """The motion of a stable orbit over its least period.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    orbit : Orbit
-        The orbit.
-
-    Returns
-    -------
-    CertifiedMotion
-        It begins where the orbit does.
-    """
+    """The motion of a stable orbit over its least period; it begins where the orbit does."""
     period_map, multiple = half_periods.map, orbit.period_multiple
     points = [orbit.point]
     for _ in range(multiple - 1):
@@ -72,20 +59,7 @@ def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
 
 
 def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> CertifiedMotion | None:
-    """The mirror image of a motion, z -> -z half a period later.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    motion : CertifiedMotion
-        The motion.
-
-    Returns
-    -------
-    CertifiedMotion, or None
-        None if it is the motion itself, or the problem is not its own mirror image.
-    """
+    """The mirror image of a motion, z -> -z half a period later; None if it is no other motion of the problem."""
     twins = half_periods.twins
     if twins is None or motion.symmetric:
         return None
@@ -96,15 +70,7 @@ def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> Certi
 
 
 def same_motion(half_periods: HalfPeriods, one: CertifiedMotion, other: CertifiedMotion) -> bool:
-    """Whether two certified motions are one, begun at any of its periods.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    one, other : CertifiedMotion
-        The motions.
-    """
+    """Whether two certified motions are one, begun at any of its periods."""
     if one.period_multiple != other.period_multiple:
         return False
     allowed = max(SAME_ORBIT, 10 * (one.residual + other.residual))
@@ -112,20 +78,7 @@ def same_motion(half_periods: HalfPeriods, one: CertifiedMotion, other: Certifie
 
 
 def traps_of(half_periods: HalfPeriods, motion: CertifiedMotion) -> tuple[Trap, ...]:
-    """The traps of a motion, one for each of its section points.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    motion : CertifiedMotion
-        The motion.
-
-    Returns
-    -------
-    tuple of Trap
-        All over its whole period.
-    """
+    """The traps of a motion, one for each of its section points, over its whole period."""
     count = 2 * motion.period_multiple
     return tuple(
         Trap(Orbit(count, point, motion.residual, half_periods.linearised(point, count))) for point in motion.points

@@ -16,55 +16,40 @@ from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
 
 _BLOCK = 16
-"""Number of points from which on it is looked again how close points have to be, as fast terms decay."""
+"""Points after which their spacing is chosen anew, as fast terms decay."""
 _MISSED = 0.01
-"""What the cubics between two points may miss of a rate, over the sum of the sizes of its terms: so much that few
-ways between points have to be halved, and so little that few points are needed."""
+"""Largest error of the cubic between two points, over the sum of the sizes of the rate's terms: it balances the number
+of points against the number of intervals that have to be halved."""
 _OF_VALUE, _OF_SLOPE = 1 / 384, math.sqrt(3) / 216
-"""What a cubic with a function's values and slopes at two points misses of the function, and of its slope, over its
-fourth derivative and powers of the way between the points (Birkhoff and Priver 1967)."""
+"""Errors of a cubic through a function's values and slopes at two points, and of the cubic's slope, over the function's
+fourth derivative and powers of the distance of the points (Birkhoff and Priver 1967)."""
 _HALVINGS = 9
-"""Most halvings of a way between points: two extrema that are closer than this leaves are alike in value."""
+"""Most halvings of an interval between points: two extrema that are closer than the last have all but one value."""
 _FAINT = 1e-6
-"""Size of a rate's term over the sum of all up to which it is not evaluated, but counts as missed."""
+"""Largest term of a rate, over the sum of all, that is not evaluated, and counts as an error instead."""
 _GONE = -45.0
-"""Exponent from which on a term is not there any more: 3e-20 of what it was."""
+"""Exponent below which a term is neglected: 3e-20 of its first size is left."""
 _STEPS = 60
 """Most steps of the search for an extremum, of which one or two are needed."""
 _EXACT = 1e-9
 """Error over the first interval at which an extremum is found: the value there is wrong by the square of this."""
 _ABOUT = 3
-"""Steps of Newton's method to where a cubic vanishes."""
+"""Steps of Newton's method to the zero of a cubic."""
 _NEXT = 5.0
-"""The first term that the series of a step lacks, over the product of the step and the third power of what its terms
-shrink by: that of the inverse of a parabola."""
+"""The first neglected term of the series of a step, over the step and the cube of the ratio of successive terms; 5 is
+the value for the inverse of a parabola."""
 _OPEN = -1
-"""It cannot be said how often a rate vanishes."""
+"""Returned where it cannot be said how often a rate vanishes."""
 
 
 @njit_called()
 def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, FloatArray, np.ndarray]:
-    """All extrema of gap functions.
+    """All extrema of gap functions: stop, time, value and whether it is a maximum, each of shape (m,).
 
-    Points are so close that cubics with the rate's values and slopes there miss it by a known little.  Where that
-    leaves open how often the rate vanishes between two points, the way between them is halved.  A rate that changes its
-    sign from one segment to the next, by what a passage loses of the motion, has an extremum where the second begins.
-
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-
-    Returns
-    -------
-    stop : ndarray, shape (m,)
-        The stop of each extremum.
-    time : ndarray, shape (m,)
-        When, s from the start of the orbit; those of one stop ascend.
-    value : ndarray, shape (m,)
-        Gap function there, m.
-    highest : ndarray, shape (m,)
-        Whether it is a maximum, and not a minimum.
+    Times count from the start of the orbit, s, and those of one stop ascend; values are in m. Points are so close that
+    cubics with the rate's values and slopes there miss it by a known little. Where that leaves open how often the rate
+    vanishes between two points, the interval between them is halved. A rate that changes its sign from one segment to
+    the next, by what a passage loses of the motion, has an extremum where the second begins.
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
@@ -104,9 +89,9 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
                                 value.append(stops.sign[p] * z - stops.gap[p])
                                 maximum.append(stops.sign[p] * start[1] > 0)
                     put(start, now)
-                if anew:  # faint at either end of the way that leads here
+                if anew:  # terms that are faint at either end of the interval that leads here
                     missed[u, 1], missed[u, 2] = max(missed[u, 1], hereafter[u, 1]), max(missed[u, 2], hereafter[u, 2])
-                # what is still to be looked at ends at the points of `ends`, of which the last comes first
+                # `ends` is a stack: the intervals still to be looked at end at its points, the next one at the last
                 put(ends[0], now)
                 count, least = 1 if tau > 0 else 0, 1.5 * (tau - start[0]) * 0.5**_HALVINGS
                 while count > 0:
@@ -157,7 +142,7 @@ def _loud(
 
     `waves` and `rates`, ``(K, 2)``, take real and imaginary parts of their rates there and of their exponents, and
     `weights`, ``(U, K, 4)``, of their weights and of the products of weights and exponents.  `missed`, ``(U, 3)``,
-    takes bounds of the fourth derivative of a place's rate, and of what faint terms are of the rate and of its slope.
+    takes bounds of the fourth derivative of a place's rate, and of the faint terms' part of the rate and of its slope.
     """
     places, terms = motion.weights.shape[1], waves.shape[0]
     wave, sizes, total = complex_zeros(terms), zeros((terms, places)), zeros((places, 2))

@@ -1,6 +1,6 @@
-"""Cutting an orbit into intervals, compiled: where they end, how far the orbit keeps from its stops, what is beside.
+"""Cutting an orbit into intervals, compiled: their ends, their distances from the stops, the switches beside them.
 
-`lapjoint.orbits.watch` says what the intervals are for, and has the bounds that hold in them.
+`lapjoint.orbits.watch` says what the intervals are for, and which bounds hold in them.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from lapjoint.problem import FloatArray
 IndexArray = npt.NDArray[np.intp]
 
 _LEAST = 4
-"""Least number of intervals in a segment, to begin with."""
+"""Least number of intervals into which a segment is first cut."""
 _HALVINGS = 5
-"""How often the first and the last interval of a segment are halved, towards the switch at its end."""
+"""How often the first and the last interval of a segment are halved, towards the switches at its ends."""
 _PARTS = 8
-"""Most parts that an interval is divided into at once, where the distance to a stop is not known well enough."""
+"""Most parts into which one pass divides an interval in which the distance to a stop is not known well enough."""
 _ROUNDS = 6
-"""How often, at most, intervals are so divided: to a 260 000th of their width."""
+"""Most passes that divide intervals: 8^6 makes 260 000 parts."""
 _NEGLIGIBLE = 1e-9
-"""Distance to a stop over its largest, up to which no interval is divided."""
+"""Distance to a stop, over its largest, below which no interval is divided."""
 _TIGHT = 0.5
-"""Share of the distance at the ends of an interval that must be certain within it, or else it is divided."""
+"""Least distance within an interval, over that at its ends, that must be certain; else the interval is divided."""
 
 
 @by_reference
@@ -44,11 +44,11 @@ class Motion(NamedTuple):
     rates: ComplexArray
     """Exponents of the terms in each segment, 1/s, shape ``(S, K)``."""
     amplitudes: ComplexArray
-    """Amplitudes of the terms at its start, shape ``(S, K)``; a term of no size fills up."""
+    """Amplitudes of the terms at the start of the segment, shape ``(S, K)``; 0 where a segment has fewer terms."""
     weights: ComplexArray
     """Weights of the terms at the places of stops, shape ``(S, U, K)``; weight times amplitude in m."""
     polynomial: FloatArray
-    """Coefficients of 1, tau, tau^2 there, m over powers of s, shape ``(S, U, 3)``."""
+    """Coefficients of 1, tau, tau^2 at the places, m over powers of s, shape ``(S, U, 3)``."""
     orientation: FloatArray
     """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
 
@@ -64,26 +64,16 @@ class Stops(NamedTuple):
     place: IndexArray
     """Which of the places each stop is at, shape ``(P,)``."""
     beyond: IndexArray
-    """Whose switches follow those of each stop after the orbit: its own, or its twin's, shape ``(P,)``."""
+    """The stop whose switches follow those of each stop after the orbit: itself, or its twin, shape ``(P,)``."""
 
 
 @njit_called()
 def slopes_at_switches(
     motion: Motion, stops: Stops, which: IndexArray, stop: IndexArray
 ) -> tuple[FloatArray, FloatArray]:
-    """How fast an orbit crosses its stops, and how much that changes.
+    """|h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2, shape (J,) each.
 
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    which, stop : ndarray, shape (J,)
-        The segments that end with a switch, and the stops that switch.
-
-    Returns
-    -------
-    tuple of ndarray, shape (J,)
-        |h'| before each switch, m/s, and the larger |h''| of both sides of it, m/s2.
+    `which` are the segments that end with a switch, and `stop` the stops that switch, shape (J,) each.
     """
     rate, curvature = zeros(which.size), zeros(which.size)
     for j in range(which.size):
@@ -113,26 +103,11 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
 ) -> tuple[FloatArray, IndexArray]:
-    """Switches of one stop in the period before, in this one, and in the one after.
+    """Times and indices of one stop's switches in the period before, in this one, and in the one after, (k,) each.
 
-    Parameters
-    ----------
-    times : ndarray, shape (J,)
-        Times of all switches of the orbit, s from its start, ascending.
-    stops : ndarray, shape (J,)
-        The stops that switch.
-    stop, beyond : int
-        The stop whose switches are asked for, and the one whose switches the other periods hold: its twin where the
-        orbit goes on mirrored.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    times : ndarray, shape (k,)
-        Times of the switches, s from the start of the orbit, ascending.
-    indices : ndarray, shape (k,)
-        Which of the J switches each is, or repeats.
+    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each. `stop` is
+    the one that is asked for, and `beyond` the one whose switches the other periods hold: its twin where the orbit goes
+    on mirrored. `length` is that of the orbit, s. The indices say which of the J switches each is, or repeats.
     """
     own, others = 0, 0
     for j in range(stops.size):
@@ -154,23 +129,9 @@ def unrolled(
 
 @njit_called()
 def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
-    """Time from each switch to the nearest other one of the same stop, before or after.
+    """Time from each switch to the nearest other one of its stop, before or after, s, (J,); inf without another.
 
-    Parameters
-    ----------
-    times : ndarray, shape (J,)
-        Times of all switches of the orbit, s from its start, ascending.
-    stops : ndarray, shape (J,)
-        The stops that switch.
-    beyond : ndarray, shape (P,)
-        The stop whose switches the periods before and after hold, see `Stops`.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    ndarray, shape (J,)
-        Times, s; inf where there is no other.
+    `times` and `stops`, (J,), and `length` are those of `unrolled`; `beyond`, (P,), is that of `Stops`.
     """
     result = zeros(times.size)
     for stop in range(beyond.size):
@@ -188,19 +149,10 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
 
 @njit_called()
 def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
-    """Ends of intervals of equal width in each segment, with the first and the last one halved some times.
+    """Ends of equal intervals in each segment, the first and the last halved some times, (I,) each.
 
-    Parameters
-    ----------
-    duration : ndarray, shape (S,)
-        Length of each segment, s.
-    width : float
-        Largest width of an interval, s.
-
-    Returns
-    -------
-    tuple of ndarray, shape (I,)
-        Segment of each point, and time from its start, s.
+    `duration`, (S,), are the lengths of the segments, and `width` is the largest width of an interval, s. Returned are
+    the segment of each point and the time from its start, s.
     """
     count = int_zeros(duration.size)
     total = 0
@@ -230,21 +182,10 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distances of an orbit from its stops, in the intervals between points.
+    """Distance of stops at the nearer end of each interval, m, 0 at least, and how much less it may be within, (P, I).
 
-    A stop that truncation leaves beyond its gap at a switch switches again when it comes back to where it was left.
-
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    segment, tau : ndarray, shape (I + 1,)
-        Segment of each point, and time from its start, s.
-
-    Returns
-    -------
-    tuple of ndarray, shape (P, I)
-        Distance at the nearer end of each interval, m, not less than 0; and by how much it may be less within, m.
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. A stop that truncation
+    leaves beyond its gap at a switch switches again when it comes back to where it was left.
     """
     count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
     nearer, miss = zeros((count, segment.size - 1)), zeros((count, segment.size - 1))
@@ -285,19 +226,8 @@ def refined(
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
     """Intervals divided where the orbit's distance from a stop is not known well enough.
 
-    Parameters
-    ----------
-    motion, stops : Motion, Stops
-        The orbit, and the stops.
-    segment, tau : ndarray, shape (N,)
-        Segment of each point to begin with, and time from its start, s.
-
-    Returns
-    -------
-    segment, tau : ndarray, shape (I + 1,)
-        The same for all points, I + 1 >= N.
-    least : ndarray, shape (P, I)
-        Least distance of each stop from its gap between two points, m.
+    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s. Returned are these of all
+    points, (I + 1,) with I + 1 >= N, and the least distance of each stop from its gap between two points, m, (P, I).
     """
     nearer, miss = distances(motion, stops, segment, tau)
     least = zeros(stops.sign.size)
@@ -355,23 +285,10 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
 def among_switches(
     start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
-    """Where intervals lie among the switches of each stop.
+    """Index of a stop's last switch before each interval, or -1, and the time since, s, or inf; of its next; (P, I).
 
-    Parameters
-    ----------
-    start, end : ndarray, shape (I,)
-        Start and end of each interval, s from the start of the orbit, ascending.
-    times, which : ndarray, shape (J,)
-        Times of all switches of the orbit, ascending, and the stops that switch.
-    beyond : ndarray, shape (P,)
-        The stop whose switches the periods before and after hold, see `Stops`.
-    length : float
-        Of the orbit, s.
-
-    Returns
-    -------
-    before, since, after, until : ndarray, shape (P, I)
-        Index of the stop's last switch, or -1; time since then, s, or inf; the same of its next one.
+    `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit; `times` and `which`, (J,), are
+    those of all switches and their stops; `beyond`, (P,), is that of `Stops`; `length` is that of the orbit, s.
     """
     shape = (beyond.size, start.size)
     before, after = int_zeros(shape), int_zeros(shape)

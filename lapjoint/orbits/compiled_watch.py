@@ -1,4 +1,4 @@
-"""What deviations from an orbit come to, and what that is compared with, compiled; see `lapjoint.orbits.watch`."""
+"""Bounds on deviations from an orbit, and their comparison with the distances of stops; see `lapjoint.orbits.watch`."""
 
 from __future__ import annotations
 
@@ -19,23 +19,10 @@ def terms_at_points(
 ) -> tuple[FloatArray, FloatArray]:
     """The terms of deviations at the points between intervals, and what a chord of each misses.
 
-    Parameters
-    ----------
-    segment, tau : ndarray, shape (I + 1,)
-        Segment of each point, and time from its start, s.
-    rates : ndarray, complex, shape (S, K' >= K)
-        Exponents of the terms in each segment, 1/s; deviations have the first ``K``.
-    weights : ndarray, complex, shape (S, U, K')
-        Weights of the terms at the ``U`` places of stops.
-    count : int
-        K.
-
-    Returns
-    -------
-    terms : ndarray, shape (2, U, I + 1, K)
-        Real and imaginary part of each term of unit amplitude, at each place.
-    misses : ndarray, shape (U, I, K)
-        What a chord of it misses between two points, over the size of its amplitude.
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. `rates`, (S, K'), are
+    the exponents of the terms, 1/s, and `weights`, (S, U, K'), their weights at the places of stops; deviations have
+    the first ``K = count <= K'``. Returned are real and imaginary part of each term of unit amplitude, (2, U, I + 1,
+    K), and what a chord of it misses between two points, over the size of its amplitude, (U, I, K).
     """
     places = weights.shape[1]
     terms, misses = zeros((2, places, tau.size, count)), zeros((places, tau.size - 1, count))
@@ -66,24 +53,11 @@ def largest_motion(
     place: IndexArray,
     result: FloatArray,
 ) -> None:
-    """Bounds on the motion that deviations make at the stops, in each interval.
+    """Write bounds on the motion that ``C`` deviations make at the stops in each interval to `result`, (P, I, C), m.
 
-    Parameters
-    ----------
-    segment, tau : ndarray, shape (N,)
-        Segment of each point between intervals, and time from its start, s.
-    terms : ndarray, shape (2, U, N, K)
-        Real and imaginary part of each term of unit amplitude there, at the places of stops.
-    misses : ndarray, shape (U, N - 1, K)
-        What a chord of each term misses between two points, over the size of its amplitude.
-    amplitudes : ndarray, shape (2, S, K, C)
-        Real and imaginary part of the amplitudes of ``C`` deviations in each segment.
-    drift : ndarray, shape (S, U, 2, C)
-        Displacement, m, and speed, m/s, that rigid-body modes make there; of size 0 without such modes.
-    place : ndarray, shape (P,)
-        Which of the places each stop is at.
-    result : ndarray, shape (P, I, C)
-        Takes the bounds, m; intervals in the order of time.
+    `segment`, `tau`, `terms` and `misses` are those of `terms_at_points`. `amplitudes`, (2, S, K, C), are real and
+    imaginary parts in each segment; `drift`, (S, U, 2, C), is the displacement, m, and speed, m/s, of rigid-body modes,
+    of size 0 without such modes; `place`, (P,), is the place of each stop.
     """
     count, columns = terms.shape[3], amplitudes.shape[3]
     size = zeros((amplitudes.shape[1], count, columns))
@@ -135,30 +109,13 @@ def sound_columns(
     spacing: FloatArray,
     limits: tuple[float, float, float],
 ) -> np.ndarray:
-    """Whether deviations meet all conditions of `lapjoint.orbits.approach`.
+    """Whether each of ``C`` deviations meets all conditions of `lapjoint.orbits.approach`, shape (C,).
 
-    Parameters
-    ----------
-    largest : ndarray, shape (m, C)
-        Bounds on the motion by ``C`` deviations, m.
-    at_switches, rates : ndarray, shape (J, C)
-        Their motion at the stop that switches, m, and its rate, m/s.
-    distance : ndarray, shape (m,)
-        Distance of the orbit from the stop, m.
-    before, since : ndarray, shape (m,)
-        Index of the stop's last switch, and the time since then, s.
-    after, until : ndarray, shape (m,)
-        Index of its next switch, and the time until then, s.
-    rate, curvature, spacing : ndarray, shape (J,)
-        |h'|, m/s, |h''|, m/s2, and the time to the stop's nearest other switch, s, of each switch.
-    limits : tuple of float
-        Share of the distance that a deviation may take; number of shifts from a switch within which nothing is asked
-        for; share of the rate that it may change.
-
-    Returns
-    -------
-    ndarray of bool, shape (C,)
-        Whether each deviation does.
+    `largest`, (m, C), bounds the motion by the deviations, m; `at_switches` and `rates`, (J, C), are their motion at
+    the stop that switches, m, and its rate, m/s. `distance`, `before`, `since`, `after` and `until`, (m,), are those of
+    `Intervals`, and `rate`, `curvature` and `spacing`, (J,), those of `Switches`. `limits` are the share of the
+    distance that a deviation may take; the number of shifts from a switch within which the distance does not matter;
+    and the share of the rate that a deviation may change.
     """
     share, shifts, change = limits
     shift, sound = zeros(at_switches.shape), bool_zeros(largest.shape[1])

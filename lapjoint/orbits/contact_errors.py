@@ -1,9 +1,9 @@
-"""Errors of contacts: each is compared with the same contact of a finer self of the solver.
+"""Errors of contacts: each is compared with the same contact at a finer resolution of the solver.
 
 Contacts of two motions are the same if they are contacts of one stop and each is the nearest to the other in time.  A
-contact that has no such partner, because the finer motion grazes the stop, or splits a contact in two, has no error
-that could be stated: it is infinite.  Along a march the two motions part in the end, if it is chaotic.  They have
-parted where partners are not much nearer to each other than to their neighbours; from then on nothing can be stated.
+contact without a partner, because the finer motion grazes the stop or splits the contact in two, has an infinite error:
+none can be stated.  Two chaotic marches part in the end.  They have parted where partners are not much nearer to each
+other than to their neighbours; from then on no error can be stated.
 """
 
 from __future__ import annotations
@@ -12,18 +12,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
+from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
-IndexArray = npt.NDArray[np.intp]
-
 PARTED = 0.1
-"""Distance in time between partners, over that to the stop's next contact before or after, from which two motions have
-parted."""
+"""Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
 
 
 @dataclass(frozen=True)
@@ -39,23 +36,7 @@ class Differences:
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
-    """A march with the errors of its contacts.
-
-    Parameters
-    ----------
-    history : History
-        The march.
-    refinement : Refinement
-        What is known of the finer solver.
-    finer : callable
-        Gives the same march by the finer solver.
-
-    Returns
-    -------
-    History
-        The same with `Contact.start_error`, `Contact.impulse_error`, `Contact.peak_force_error` and
-        `History.error_source`.
-    """
+    """A march with the errors of its contacts; `finer` gives the march of the finer solver."""
     try:
         others = finer().contacts
     except (InputError, SolverError) as error:
@@ -68,39 +49,34 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         finite = np.where(np.isfinite(values), values, 0.0)
         bounds = refinement.bounds(values, np.maximum.accumulate(finite))
         errors.append(np.where(together, bounds, np.inf))
+    ends = np.array([contact.end for contact in history.contacts])
     sizes = np.array([(abs(contact.impulse), contact.peak_force) for contact in history.contacts]).reshape(-1, 2)
-    contacts = tuple(
-        replace(
-            contact,
-            start_error=0.0 if contact.open_start else float(start + ROUNDING * contact.end),
-            impulse_error=float(impulse + ROUNDING * largest[0]),
-            peak_force_error=float(peak + ROUNDING * largest[1]),
-        )
-        for contact, start, impulse, peak, largest in zip(
-            history.contacts, *errors, np.maximum.accumulate(sizes), strict=True
-        )
-    )
+    impulses, peaks = ROUNDING * np.maximum.accumulate(sizes).T
+    start, impulse, peak = errors
+    contacts = with_errors(history.contacts, start + ROUNDING * ends, impulse + impulses, peak + peaks)
     source = f"compared with {refinement.name}"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
     return replace(history, contacts=contacts, error_source=source)
 
 
+def with_errors(
+    contacts: Sequence[Contact], start: FloatArray, impulse: FloatArray, peak: FloatArray
+) -> tuple[Contact, ...]:
+    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start begins exactly."""
+    return tuple(
+        replace(
+            contact,
+            start_error=0.0 if contact.open_start else float(start[i]),
+            impulse_error=float(impulse[i]),
+            peak_force_error=float(peak[i]),
+        )
+        for i, contact in enumerate(contacts)
+    )
+
+
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion of whose contacts no error can be stated, though it was asked for.
-
-    Parameters
-    ----------
-    history : History
-        The motion.
-    reason : str
-        Why.
-
-    Returns
-    -------
-    History
-        The same; its contacts' errors are infinite.
-    """
+    """A motion with infinite errors of its contacts: errors were asked for, but a reason forbids to state them."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -108,20 +84,7 @@ def without_contact_errors(history: History, reason: str) -> History:
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
-    """How far contacts are from their partners in another motion.
-
-    Parameters
-    ----------
-    contacts, others : sequence of Contact
-        The contacts of the two motions.
-    period : float, optional
-        Period of both motions, s, if they are periodic: then times are compared modulo it.
-
-    Returns
-    -------
-    Differences
-        Of each of `contacts`.
-    """
+    """Distances of contacts from their partners in another motion, modulo a `period`, s, if both have one."""
     start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
@@ -155,20 +118,7 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
 
 
 def parting(contacts: Sequence[Contact], found: Differences) -> int:
-    """The first contact at which two marches have parted.
-
-    Parameters
-    ----------
-    contacts : sequence of Contact
-        The contacts of a march, by start time.
-    found : Differences
-        How far they are from their partners.
-
-    Returns
-    -------
-    int
-        Index of the contact; their number if the marches have not parted.
-    """
+    """Index of the first contact, by time, at which two marches have parted; the number of contacts if none."""
     near = PARTED * _spacings(contacts)
     beyond = np.isfinite(found.start) & (found.start > near)
     return int(np.argmax(beyond)) if beyond.any() else len(contacts)

@@ -1,14 +1,14 @@
-r"""Starts other than rest: a section point moved by numbers that mean something at a place, or at random in all space.
+r"""Starts other than rest: a section point moved in a plane of two coordinates, or at random in all of phase space.
 
 A unit force at a place a bends the joint without contact into its static shape G(x, a).  A *plane* of starts has two
 coordinates, each the displacement or the velocity at a place: with the displacements Z_i given at places a_i, the
-section point is moved by
+displacement of the section point changes by
 
     z(x) = sum_i f_i G(x, a_i),    sum_i G(a_j, a_i) f_i = Z_j
 
-and its velocity likewise, so that each number is what the start is moved by at its place.  Random starts are drawn
-evenly from all deviations from a section point whose energy, bending and springs and motion of the joint without
-contact, does not exceed a bound; so the share of starts that ends in a motion is its share of that part of space.
+and its velocity likewise: at its place each coordinate changes by the number given.  Random starts are drawn evenly
+from all deviations from a section point whose energy does not exceed a bound: the energy of bending, springs and motion
+of the joint without contact.  The share of starts that ends in a motion is then its share of that part of phase space.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
 _HELD = 1e-9
-"""Of a unit motion: supports that resist a motion as a rigid body by less do not resist it."""
+"""Least restraint of a rigid-body motion by supports that hold it, over a unit motion."""
 _IMMOVABLE = 1e-12
-"""Compliance at a place, over L^3 / EI, below which a support holds it: rounding of the shapes is less."""
+"""Compliance at a place, over L^3 / EI, below which a support holds the place: rounding of the shapes is less."""
 _ALIKE = 1e-6
-"""Least determinant of the compliance at two places, over that of places far apart: nearer, they are one."""
+"""Determinant of the compliance at two places, over that of places far apart, below which the places move alike."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,9 @@ class StaticShapes:
     """The joint without contact under a unit force at each of ``p`` places, as deviations of ``n`` coordinates."""
 
     displacements: FloatArray
-    """Deviations that move a section point by each shape, for a force of 1 N, shape ``(p, n)``."""
+    """Deviations that move a section point by each shape for a force of 1 N, shape ``(p, n)``."""
     velocities: FloatArray
-    """Deviations that give it each shape as a velocity, in m/s where the shape is in m, shape ``(p, n)``."""
+    """Deviations that add each shape to its velocity, in m/s where the shape is in m, shape ``(p, n)``."""
     compliance: FloatArray
     """Displacement at each place by each shape, m/N, shape ``(p, p)``."""
 
@@ -52,59 +52,19 @@ class DisplacedStarts(Protocol):
     """
 
     def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
-        """The static shapes of unit forces, as deviations from a section point.
-
-        Parameters
-        ----------
-        origin : SectionPoint
-            A point of this map.
-        places : FloatArray, shape (p,)
-            Where the forces act, m.
-
-        Returns
-        -------
-        StaticShapes
-            In the coordinates that belong to `origin`; what these cannot hold is left out.
-        """
+        """The static shapes of unit forces at `places`, m, (p,), as deviations in the coordinates of `origin`."""
 
     def energy(self, origin: SectionPoint) -> FloatArray:
-        """The matrix A of the energy e . A e / 2 of a deviation e in the joint without contact.
+        """The matrix A, (n, n), of the energy e . A e / 2, J, of a deviation e from `origin` without contact.
 
-        Parameters
-        ----------
-        origin : SectionPoint
-            A point of this map.
-
-        Returns
-        -------
-        FloatArray, shape (n, n)
-            Symmetric and positive definite, J over the squared unit of deviations.
+        It is symmetric and positive definite.
         """
 
 
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
-    """The deviations that move a section point by one unit of each coordinate of a plane, and by none of the other.
+    """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by 0 in the other, (2, n).
 
-    Parameters
-    ----------
-    period_map : DisplacedStarts
-        The motion of the problem.
-    problem : Problem
-        The problem.
-    origin : SectionPoint
-        The section point that is moved.
-    plane : Plane
-        The plane.
-
-    Returns
-    -------
-    FloatArray, shape (2, n)
-        Deviations for 1 m, or 1 m/s, in the coordinates that belong to `origin`.
-
-    Raises
-    ------
-    InputError
-        If the joint without contact is not held, a support holds a place, or both places are all but one.
+    An `InputError` says that the joint without contact is not held, a support holds a place, or both places move alike.
     """
     plane.check(problem)
     check_held(problem, "plane")
@@ -125,22 +85,7 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
 
 
 def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) -> FloatArray:
-    """A deviation drawn evenly from all whose energy does not exceed a bound.
-
-    Parameters
-    ----------
-    roots : FloatArray, shape (n, n)
-        A matrix B with B^T A B = I for the matrix A of `DisplacedStarts.energy`; see `energy_roots`.
-    energy : float
-        The bound, J.
-    seed : tuple of int
-        Numbers that are not negative; the same seed gives the same deviation.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        In the coordinates of `roots`.
-    """
+    """A deviation, (n,), drawn evenly from all of at most an `energy`, J; `roots`, (n, n), are `energy_roots`."""
     rng = np.random.default_rng(seed)
     n = roots.shape[1]
     direction = rng.standard_normal(n)
@@ -149,26 +94,9 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 
 
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
-    """A matrix B that takes the unit ball to the deviations of an energy of at most 1/2 J.
+    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint must be held.
 
-    Parameters
-    ----------
-    period_map : DisplacedStarts
-        The motion of the problem.
-    problem : Problem
-        The problem.
-    origin : SectionPoint
-        The section point from which deviations are counted.
-
-    Returns
-    -------
-    FloatArray, shape (n, n)
-        In the coordinates that belong to `origin`, for each root of 1 J.
-
-    Raises
-    ------
-    InputError
-        If the joint without contact is not held: then no energy bounds its motion.
+    It takes the unit ball to the deviations from `origin` of an energy of at most 1/2 J.
     """
     check_held(problem, "energy")
     lower = np.linalg.cholesky(period_map.energy(origin))
@@ -176,20 +104,7 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 
 def check_held(problem: Problem, what: str) -> None:
-    """Refuse a problem whose joint without contact is free to move as a rigid body.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem.
-    what : str
-        What needs a joint that is held, for the message.
-
-    Raises
-    ------
-    InputError
-        If its supports leave such a motion free.
-    """
+    """Refuse a problem whose supports leave a motion as a rigid body free; `what` needs a joint that is held."""
     L = problem.beam.length
     rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
     rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]

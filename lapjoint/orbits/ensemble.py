@@ -1,7 +1,7 @@
 """Many marches of one problem at once: a solver that compiles its march does many of them in one call.
 
-An `Ensemble` holds many section points and marches any of them on in place.  `Many` is the optional protocol of a
-period map that makes one; `ensemble_of` makes one of any other period map, whose marches are then made one by one.
+An `Ensemble` holds many section points and marches any of them on in place.  `MakesEnsembles` is the optional protocol
+of a period map that has its own; for any other period map `ensemble_of` makes one that marches one by one.
 """
 
 from __future__ import annotations
@@ -19,84 +19,28 @@ from lapjoint.problem import FloatArray
 
 
 class Ensemble(Protocol):
-    """Section points of one period map that march on, each for itself."""
+    """Section points of one period map, its members, each of which marches by itself."""
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
-        """March some of them on, to the bits of `PeriodMap.march`.
-
-        Parameters
-        ----------
-        which : ndarray of int, shape (k,)
-            The members that march.
-        periods : int
-            Length of the march, in periods of the excitation, at least 1.
-
-        Returns
-        -------
-        dict of int to str
-            Why a march cannot go on, by the member; these stay anywhere.
-        """
+        """March some members, (k,), by whole periods, to the bits of `PeriodMap.march`; returns why members failed."""
 
     def deviations(self, which: IndexArray, origin: SectionPoint) -> FloatArray:
-        """The deviations of some of them from a section point.
-
-        Parameters
-        ----------
-        which : ndarray of int, shape (k,)
-            The members.
-        origin : SectionPoint
-            A point of the same map.
-
-        Returns
-        -------
-        FloatArray, shape (k, n)
-            In the coordinates that belong to `origin`.
-        """
+        """The deviations of some members, (k,), from a section point `origin`, in its coordinates, (k, n)."""
 
     def point(self, member: int) -> SectionPoint:
-        """Where a member is.
-
-        Parameters
-        ----------
-        member : int
-            Its number.
-
-        Returns
-        -------
-        SectionPoint
-            A point of the map.
-        """
+        """The section point of a member."""
 
 
 @runtime_checkable
-class Many(Protocol):
+class MakesEnsembles(Protocol):
     """A period map that marches many section points at once."""
 
     def ensemble(self, points: Sequence[SectionPoint]) -> Ensemble:
-        """Section points that march on together.
-
-        Parameters
-        ----------
-        points : sequence of SectionPoint
-            Points of this map.
-
-        Returns
-        -------
-        Ensemble
-            Its members are numbered as `points` are.
-        """
+        """Section points of this map that march on together; members are numbered as the points are."""
 
 
 class OneByOne:
-    """The ensemble of a period map that marches one section point at a time.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    points : sequence of SectionPoint
-        Points of the map.
-    """
+    """The ensemble of a period map that marches one section point at a time."""
 
     def __init__(self, period_map: PeriodMap, points: Sequence[SectionPoint]) -> None:
         self._map, self._points = period_map, list(points)
@@ -123,18 +67,5 @@ class OneByOne:
 
 
 def ensemble_of(period_map: PeriodMap, points: Sequence[SectionPoint]) -> Ensemble:
-    """Section points that march on together, by any period map.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    points : sequence of SectionPoint
-        Points of the map.
-
-    Returns
-    -------
-    Ensemble
-        The solver's own, if it is one of `Many`.
-    """
-    return period_map.ensemble(points) if isinstance(period_map, Many) else OneByOne(period_map, points)
+    """The ensemble of section points of any period map: the solver's own, if it has one."""
+    return period_map.ensemble(points) if isinstance(period_map, MakesEnsembles) else OneByOne(period_map, points)

@@ -1,19 +1,7 @@
 r"""The largest Lyapunov exponent from a series of growths, one a period.
 
-Growths of neighbouring periods are correlated, in weak chaos over many periods, and an error that takes them for
-independent is too small.  Blocking (H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461) averages blocks of
-growing length L: the standard error s(L) from the scatter of the means rises until L exceeds the time of correlation,
-then levels off.  The number of blocks falls meanwhile, to `_BLOCKS` at least.  Where s still rises from blocks a
-quarter as long, it is taken to rise as much again,
-
-    s = s(L) max(1, s(L) / s(L / 4)),
-
-by a factor of 2 at most, for that is what blocks bring whose neighbours are all alike.  This makes the error of an
-AR(1) series right even if L is only its time of correlation.
-
-Of a quasi-periodic motion the plain mean converges as 1/n.  The weights w(t) = exp(-1 / (t (1 - t))), 0 < t < 1, let it
-converge faster than any power if the motion is smooth (S. Das, Y. Saiki, E. Sander and J. Yorke, Nonlinearity 30 (2017)
-4111), and of chaos little slower than without; so the weighted means over the quarters tell one from the other.
+Growths in neighbouring periods are correlated, in weak chaos over many periods.  The weighted means over the quarters
+of a measurement tell quasi-periodic motion from chaos.  `lapjoint.summaries.correlated_series` has both means.
 """
 
 from __future__ import annotations
@@ -22,27 +10,11 @@ import numpy as np
 
 from lapjoint.answers.steady_state import Exponent
 from lapjoint.problem import FloatArray
-
-_BLOCKS = 16
-"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and is wrong by more than
-two standard errors in 6 % of cases."""
+from lapjoint.summaries.correlated_series import standard_error, weighted_mean
 
 
 def exponent_of(growth: FloatArray, period: float) -> Exponent:
-    """The exponent of a motion.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of a deviation's growth in each period, n at least 64.
-    period : float
-        Excitation period, s.
-
-    Returns
-    -------
-    Exponent
-        The mean rate of growth, 1/s, with its standard error, and its means over parts of the measurement.
-    """
+    """The largest Lyapunov exponent from the logarithms of a deviation's growth in each period, (n,), n at least 64."""
     rates = growth / period
     first, second = np.array_split(rates, 2)
     return Exponent(
@@ -55,60 +27,8 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
     )
 
 
-def standard_error(series: FloatArray) -> float:
-    """Standard error of the mean of a correlated series, by blocking.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 64.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
-    scale = 2.0 ** int(np.frexp(np.max(np.abs(series)))[1])  # so that squares are numbers, too
-    short, long = (scale * _blocked(series / scale, count) for count in (4 * _BLOCKS, _BLOCKS))
-    return long * float(np.clip(long / short, 1.0, 2.0)) if short > 0 else long
-
-
-def weighted_mean(series: FloatArray) -> float:
-    """Weighted Birkhoff average of a series.
-
-    Parameters
-    ----------
-    series : FloatArray, shape (n,)
-        Values in the order of time, n at least 1.
-
-    Returns
-    -------
-    float
-        In the unit of the series.
-    """
-    t = (np.arange(series.size) + 0.5) / series.size
-    return float(np.average(series, weights=np.exp(-1 / (t * (1 - t)))))
-
-
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor by which a deviation grows from any section point to any later one.
-
-    Parameters
-    ----------
-    growth : FloatArray, shape (n,)
-        Natural logarithm of the deviation's growth in each period.
-
-    Returns
-    -------
-    float
-        The factor, at least 1; above 1e304 it is given as that.
-    """
+    """Largest factor, 1 to 1e304, by which a deviation grows from a section point to a later one; see `exponent_of`."""
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))
-
-
-def _blocked(series: FloatArray, count: int) -> float:
-    """Standard error of the mean if the means of `count` blocks were independent."""
-    means = [block.mean() for block in np.array_split(series, count)]
-    return float(np.std(means, ddof=1) / np.sqrt(count))

@@ -1,4 +1,4 @@
-"""What a solver need not give: the derivative of its period map, from marches that begin a little beside each other."""
+"""The derivative of a period map whose solver does not give it, from marches that begin a little beside each other."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 _STEP = 1e-6
-"""Step of the differences over the size of the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten
-digits."""
+"""Step of the differences, over the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits."""
 _SMALL = 1e-7
 """Distance between two marches that are followed together, over the size of the motion: small enough to be linear, and
 large enough for rounding, 1e-16, to leave nine digits."""
 _PER_HALF_PERIOD = 64
-"""Least number of samples of the motion in half a period: the parabolas between them then follow the low modes."""
+"""Least number of samples in half a period: parabolas between the samples then follow the low modes."""
 
 
 @dataclass(frozen=True)
@@ -30,10 +29,7 @@ class FiniteDifferences:
     map: PeriodMap
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on from a section point, and from its neighbours in all directions, two each.
-
-        See `lapjoint.orbits.Tangent.linearised`.
-        """
+        """March from a section point, and from two neighbours in each direction. See `lapjoint.orbits.Tangent`."""
         end = self.map.march(start, half_periods).end
         periods, until = math.ceil(half_periods / 2), half_periods * self.map.period / 2
         history = self.map.history(start, periods)
@@ -54,10 +50,7 @@ class FiniteDifferences:
         return Linearised(end, lambda: Derivative(matrix), lambda: _segments(history, times, switched, moves))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on over whole periods, together with a march beside it that is moved back to the same distance in each.
-
-        See `lapjoint.orbits.Follows.followed`.
-        """
+        """March together with a neighbour, rescaled to one distance in each period. See `lapjoint.orbits.Follows`."""
         now, points, growth = start, [], np.zeros(periods)
         impulses, switches = np.zeros((periods, len(self.map.problem.stops))), 0
         for i in range(periods):

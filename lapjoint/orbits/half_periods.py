@@ -1,4 +1,4 @@
-"""The map over half periods: that of whole periods, and between them the mirror image of a symmetric problem."""
+"""The map over any number of half periods: an odd number is followed by the mirror image z -> -z."""
 
 from __future__ import annotations
 
@@ -16,29 +16,19 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _TINY = float(np.finfo(float).tiny)
-"""Least size of a section point, in the unit of `PeriodMap.norm`, that is not zero."""
+"""Least size of a section point, in the unit of `PeriodMap.norm`, by which other sizes are divided."""
 
 
 def gives(map_: PeriodMap, more: type) -> bool:
-    """Whether a map gives more than it must.
+    """Whether a period map has the methods of another protocol, too.
 
-    Parameters
-    ----------
-    map_ : PeriodMap
-        The map.
-    more : type
-        A protocol of methods alone.
-
-    Returns
-    -------
-    bool
-        Python remembers what it finds of a class; only if that does not have the methods, the map itself is looked at.
+    Python remembers what it finds of a class; only if the class does not have the methods, the map itself is looked at.
     """
     return issubclass(type(map_), more) or isinstance(map_, more)
 
 
 @dataclass(frozen=True)
-class Return:
+class HalfPeriodMarch:
     """A march over some half periods with its derivative, mirrored if their number is odd."""
 
     end: SectionPoint
@@ -57,7 +47,7 @@ class Return:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of `matrix`, shape ``(n,)``; of a pair the one with the positive imaginary part comes first."""
+        """Eigenvalues of `matrix`, shape ``(n,)``; of a complex pair the positive imaginary part comes first."""
         own = self.linearised.multipliers
         return -own.conj() if self.count % 2 else own
 
@@ -94,18 +84,7 @@ class HalfPeriods:
         return {}
 
     def unit_norms(self, n: int) -> FloatArray:
-        """Size of a unit of each coordinate of a deviation.
-
-        Parameters
-        ----------
-        n : int
-            Number of coordinates.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            `PeriodMap.norm` of the units.
-        """
+        """`PeriodMap.norm` of a unit of each of the n coordinates of a deviation, shape (n,)."""
         if n not in self._unit_norms:
             map_ = self.map
             known = (
@@ -117,102 +96,32 @@ class HalfPeriods:
         return self._unit_norms[n]
 
     def growth(self, matrix: FloatArray) -> float:
-        """How much a march makes units of the coordinates of a deviation grow.
+        """Largest element of a march's derivative `matrix`, (n, n), with coordinates scaled to units of size 1.
 
-        Parameters
-        ----------
-        matrix : FloatArray, shape (n, n)
-            Derivative of the march's end by its start.
-
-        Returns
-        -------
-        float
-            The largest size of what a coordinate's unit of size 1 has of another one at the end, without unit; nan or
-            inf where the derivative is beyond double precision.
+        It is nan or inf where the derivative is beyond double precision.
         """
         unit = self.unit_norms(len(matrix))
         with np.errstate(over="ignore", invalid="ignore"):
             return float(np.max(np.abs(matrix) * unit[:, None] / unit, initial=0.0))
 
     def marched(self, point: SectionPoint, count: int) -> SectionPoint:
-        """March over some half periods.
-
-        Parameters
-        ----------
-        point : SectionPoint
-            Where the march begins.
-        count : int
-            Number of half periods; a multiple of `least`.
-
-        Returns
-        -------
-        SectionPoint
-            The end of the march, mirrored if `count` is odd.
-        """
+        """The end of a march over `count` half periods, a multiple of `least`; mirrored if `count` is odd."""
         end = self.map.march(point, count).end
         return self.map.mirrored(end) if count % 2 else end
 
-    def linearised(self, point: SectionPoint, count: int) -> Return:
-        """March over some half periods, with the derivative.
-
-        Parameters
-        ----------
-        point : SectionPoint
-            Where the march begins.
-        count : int
-            Number of half periods; a multiple of `least`.
-
-        Returns
-        -------
-        Return
-            The end of the march and its derivative, mirrored if `count` is odd.
-        """
+    def linearised(self, point: SectionPoint, count: int) -> HalfPeriodMarch:
+        """A march over `count` half periods, a multiple of `least`, with its derivative; mirrored if `count` is odd."""
         found = self.tangent.linearised(point, count)
-        return Return(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
+        return HalfPeriodMarch(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
-        """Size of a deviation over that of a section point.
-
-        Parameters
-        ----------
-        deviation : FloatArray, shape (n,)
-            In the coordinates that belong to the point.
-        point : SectionPoint
-            What the deviation is compared with.
-
-        Returns
-        -------
-        float
-            Dimensionless.
-        """
+        """Size of a deviation, (n,), over that of the section point to which its coordinates belong."""
         return self.map.norm(deviation) / self.size(point)
 
     def size(self, point: SectionPoint) -> float:
-        """Size of a section point, by which others are divided.
-
-        Parameters
-        ----------
-        point : SectionPoint
-            A point of the map.
-
-        Returns
-        -------
-        float
-            `PeriodMap.size`, above zero.
-        """
+        """`PeriodMap.size` of a section point, or the least number above zero."""
         return max(self.map.size(point), _TINY)
 
     def apart(self, point: SectionPoint, origin: SectionPoint) -> float:
-        """Distance of two section points over the size of the second.
-
-        Parameters
-        ----------
-        point, origin : SectionPoint
-            The two, of this map.
-
-        Returns
-        -------
-        float
-            Dimensionless.
-        """
+        """Distance of two section points over the size of the second."""
         return self.relative(self.map.difference(point, origin), origin)

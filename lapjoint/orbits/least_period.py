@@ -1,39 +1,26 @@
-"""The least period of an orbit: one that was found over some half periods may repeat after a part of them.
+"""The least period of an orbit: an orbit found over some half periods may repeat after a part of them.
 
-Where truncated modes make the map jump, they keep Newton's method from a stable motion and part it into several,
-less than c / (1 - |mu|) apart for a jump of size c and a multiplier mu, and a march visits them one after the other.
-No motion of a joint is parted in this way, and `_parted` tells it from a true motion of several periods.
+Truncated modes can make the map jump by some c.  At a jump Newton's method misses a stable motion with multiplier mu,
+and a march visits several points, less than c / (1 - |mu|) apart, one after the other.  No motion of a joint does this,
+and `_parted` tells it from a true motion of several periods.
 """
 
 from __future__ import annotations
 
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import Orbit, find_orbit
 
 PARTED = 1e-3
-"""Longest step between the parts of a motion, over its size: of longer steps it cannot be told whether the map bends or
-jumps there."""
+"""Longest step between such points, over the size of the motion: along longer steps it cannot be told whether the map
+bends or jumps."""
 _JUMP = 0.05
-"""Share of a step by which the linearised map may miss the next one where the map is smooth, however short the step."""
+"""Share by which the linearised map may miss a step, however short it is, if the map is smooth."""
 _BENDS = 500.0
-"""Times the length of a step over the size of the motion: that share of a step may be missed too, for a map bends."""
+"""Further share of a step that may be missed, over the step's length over the size of the motion, as a map bends."""
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
-    """The same motion over the fewest half periods after which it repeats.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    orbit : Orbit
-        A stable orbit of the map.
-
-    Returns
-    -------
-    Orbit
-        The motion over its least period; `orbit` itself if that is the least.
-    """
+    """The motion of a stable orbit over the fewest half periods after which it repeats."""
     for count in range(half_periods.least, orbit.half_periods, half_periods.least):
         if orbit.half_periods % count:
             continue
@@ -49,11 +36,11 @@ def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
 
 
 def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None:
-    """The orbit over `count` half periods, if it would repeat after these but for a jump of the map; else None.
+    """The orbit over `count` half periods, if the motion would repeat after these but for a jump of the map; else None.
 
-    It would if a smooth map could not tell it from a stable fixed point: it goes not far, all multipliers lie within
-    the unit circle, and yet some step is not the one before it, carried by the linearised map.  And the cause must be
-    seen: in each part the same stops switch as often, but not in the same order in all.
+    It would if the steps are short, all multipliers lie within the unit circle, and yet some step is not the step
+    before it carried by the linearised map.  The cause must show, too: in all parts the same stops switch equally
+    often, but in different orders.
     """
     map_, point = half_periods.map, orbit.point
     now = half_periods.linearised(point, count)
@@ -78,17 +65,6 @@ def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None
     return found if jumps and swapped else None
 
 
-def switch_order(found: Return) -> tuple[int, ...]:
-    """The stops that switch in a march, by time.
-
-    Parameters
-    ----------
-    found : Return
-        The march.
-
-    Returns
-    -------
-    tuple of int
-        Indices into ``problem.stops``.
-    """
+def switch_order(found: HalfPeriodMarch) -> tuple[int, ...]:
+    """The stops that switch in a march, in the order of time."""
     return tuple(segment.switched for segment in found.linearised.segments if segment.switched >= 0)

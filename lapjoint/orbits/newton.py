@@ -10,29 +10,28 @@ import numpy as np
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits.approach import Forecast, forecast
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
 
 RESIDUAL = 1e-9
-"""Distance between start and end, over the size of the motion, within which an orbit closes; the step that Newton's
-method makes after that leaves its square."""
+"""Largest distance between start and end of an orbit, over the size of the motion; one more step of Newton's method
+then leaves the square of it."""
 FAR = 2.0
-"""Largest residual over one period, over the size of the motion, from which Newton's method is tried at all; 2 is that
+"""Largest residual over one period, over the size of the motion, from which Newton's method is tried; 2 is the residual
 of a march that ends opposite to its start."""
 _STEPS = 14
-"""Most steps of Newton's method: far from an orbit some are lost, near it two or three are enough."""
+"""Most steps of Newton's method: near an orbit two or three are enough, and far from it some are lost."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Imaginary part of a multiplier over its modulus, up to which it is real: above, it is one of a complex pair, and not
-a rounded double one."""
-_GROWS = 1e-6
-"""Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
+"""Largest imaginary part, over the modulus, of a real multiplier: a double one may have it by rounding."""
+GROWS = 1e-6
+"""Distance outside the unit circle above which a multiplier is not one on the circle, rounded."""
 _MARGINAL = 1e-9
 """Distance within the unit circle up to which a multiplier cannot be told from one on the circle."""
 BEYOND_ROUNDING = 1 / float(np.finfo(float).eps)
-"""Growth of a deviation over a march, without unit, beyond which rounding at the start alone decides the end."""
+"""Growth of a deviation over a march beyond which rounding at the start alone decides the end."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ class Orbit:
     """Where the motion begins."""
     residual: float
     """Distance between start and end, over the size of the motion."""
-    last: Return
+    last: HalfPeriodMarch
     """The march from `point`, or from so near that its derivative is the orbit's."""
 
     @property
@@ -89,7 +88,7 @@ class Orbit:
     @property
     def unstable(self) -> bool:
         """Whether a multiplier is outside the unit circle, for certain."""
-        return abs(self.leading) > 1 + _GROWS
+        return abs(self.leading) > 1 + GROWS
 
     @property
     def spirals_out(self) -> bool:
@@ -98,48 +97,20 @@ class Orbit:
 
     @cached_property
     def watch(self) -> Watch:
-        """Its distances from all stops."""
+        """The orbit's distances from all stops."""
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """What becomes of a deviation from it.
-
-        Parameters
-        ----------
-        deviation : FloatArray, shape (n,)
-            In the coordinates that belong to `point`.
-        most : int
-            Largest number of the orbit's periods, of `half_periods` each, that are looked at one by one.
-
-        Returns
-        -------
-        Forecast
-            Counts in the same periods.
-        """
+        """What becomes of a deviation, (n,), from the orbit; at most `most` periods are looked at one by one."""
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
 
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
-    """A fixed point of the map over some half periods; None if Newton's method finds none from the guess.
+    """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none.
 
-    No fixed point is known of a map that makes deviations grow beyond rounding, so none is looked for.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    guess : SectionPoint
-        Where to begin.
-    count : int
-        Number of half periods; an odd number for a symmetric motion.
-    farthest : float
-        Residual of the guess, over the size of the motion, beyond which Newton's method is not tried.
-
-    Returns
-    -------
-    Orbit, or None
-        It closes within `RESIDUAL`, and may be stable or unstable.
+    Newton's method is not tried from a residual above `farthest`, over the size of the motion, nor for a map that makes
+    deviations grow beyond rounding, of which no fixed point can be known.
     """
     point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
     for _ in range(_STEPS):

@@ -1,11 +1,11 @@
-"""Errors of a steady state: the same orbit is found by a finer self of the solver, and compared.
+"""Errors of a steady state: the orbit is found again at a finer resolution of the solver, and compared.
 
-Newton's method begins at the section point that is known, taken over by the finer period map.  Where that is too far
-from the finer orbit, for it lies on another side of a switch, the finer map is marched for some of the orbit's periods
-first.  Nothing is stated where the finer map has no such orbit, or an unstable one: the errors are infinite then.
+Newton's method begins at the known section point, adopted by the finer period map.  Where this is too far from the
+finer orbit, across a switch, the finer map first marches for some periods of the orbit.  Where the finer map has no
+such orbit, or an unstable one, no error can be stated: the errors are infinite.
 
-A stop that neither motion touches has an impulse of zero.  That is exact if the motion keeps clear of it by more than
-the error of its displacement there, and unknown otherwise.
+A stop that neither motion touches has an impulse of zero.  Zero is exact if the motion keeps clear of the stop by more
+than the error of its displacement there; otherwise the error is infinite.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy.typing as npt
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import Differences, differences, without_contact_errors
+from lapjoint.orbits.contact_errors import Differences, differences, with_errors, without_contact_errors
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
@@ -27,23 +27,22 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 FARTHEST = 0.5
-"""Largest residual of the section point taken over, over the size of the motion, from which Newton's method is tried:
-twenty modes for ten thousand times the beam's own stiffness leave a tenth."""
+"""Largest residual of the adopted section point, over the size of the motion, from which Newton's method is tried:
+twenty modes against a stop of ten thousand times the beam's own stiffness leave a tenth."""
 SETTLING = (0, 1, 4)
-"""Numbers of the orbit's periods that the finer map is marched before Newton's method is tried again."""
+"""Periods of the orbit that the finer map has marched when Newton's method is tried."""
 _SAMPLES = 64
-"""Times in half a period of the excitation at which displacements are compared; without contact they are harmonic, or
-nearly so."""
+"""Times in half an excitation period at which displacements are compared; without contact they are nearly harmonic."""
 
 
 @dataclass(frozen=True)
 class FinerMap:
-    """A finer self of a solver, for one problem."""
+    """A finer resolution of a solver, for one problem."""
 
     refinement: Refinement
-    """What is known of it."""
+    """How much finer it is."""
     period_map: PeriodMap
-    """Its period map."""
+    """Its period map of the problem."""
 
 
 @dataclass(frozen=True)
@@ -51,32 +50,17 @@ class OrbitErrors:
     """The errors of a steady state."""
 
     impulses: FloatArray
-    """Of the impulse of each stop per excitation period, N s, shape ``(stops,)``."""
+    """Error of the impulse of each stop per excitation period, N s, shape ``(stops,)``."""
     history: History
     """The motion, with the errors of its contacts."""
     source: str
     """How they were estimated, or why they are infinite."""
     comparison: Comparison | None = None
-    """What they were made of, for other numbers of the motion; None where they are infinite."""
+    """The finer motion, for errors of other quantities; None where the errors are infinite."""
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
-    """The errors of a steady state.
-
-    Parameters
-    ----------
-    orbit : Orbit
-        The stable orbit.
-    history : History
-        Its motion over one period.
-    finer : callable
-        Gives the period map of the finer solver.
-
-    Returns
-    -------
-    OrbitErrors
-        Errors of the impulses and of the contacts.
-    """
+    """The errors of the impulses and contacts of a stable orbit, of which `history` is one period."""
     try:
         other = finer()
         half_periods, name = HalfPeriods(other.period_map), other.refinement.name
@@ -97,25 +81,7 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
 
 
 def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
-    """The orbit of another map of the same problem that is the nearest to a known one.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The other map.
-    orbit : Orbit
-        The known orbit.
-
-    Returns
-    -------
-    Orbit, or None
-        Of as many half periods; it may be unstable.  None if Newton's method finds none.
-
-    Raises
-    ------
-    SolverError
-        If the other map cannot be marched on.
-    """
+    """The orbit of another map of the problem nearest to a known one, stable or not; None if none is found."""
     point, marched = half_periods.map.adopted(orbit.point), 0
     for periods in SETTLING:
         for _ in range(periods - marched):
@@ -128,7 +94,7 @@ def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
 
 
 def _unknown(history: History, reason: str) -> OrbitErrors:
-    """Errors of which nothing can be stated."""
+    """Infinite errors, with the reason."""
     return OrbitErrors(
         np.full(len(history.problem.stops), np.inf), without_contact_errors(history, reason), f"unknown: {reason}"
     )
@@ -173,20 +139,12 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
     peak += floor * max((contact.peak_force for contact in whole), default=0.0)
     start += floor * period
-    contacts = tuple(
-        replace(
-            one,
-            start_error=0.0 if one.open_start else float(start[i]),
-            impulse_error=float(impulse[i]),
-            peak_force_error=float(peak[i]),
-        )
-        for one, i in zip(history.contacts, number, strict=True)
-    )
+    contacts = with_errors(history.contacts, start[number], impulse[number], peak[number])
     return replace(history, contacts=contacts)
 
 
 def _whole(history: History) -> tuple[list[Contact], list[int]]:
-    """The contacts of a periodic motion, those that its ends cut in two made one again; and which each belongs to."""
+    """The contacts of a periodic motion, joined where its ends cut them in two; and the whole of each."""
     contacts = history.contacts
     cut = {c.stop: i for i, c in enumerate(contacts) if c.open_end and not c.open_start}
     rest = {i: cut[c.stop] for i, c in enumerate(contacts) if c.open_start and not c.open_end and c.stop in cut}

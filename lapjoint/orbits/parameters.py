@@ -1,4 +1,4 @@
-"""Numbers of the excitation: how the forces change with them, and maps of the same structure at other values."""
+"""Parameters of the excitation: derivatives of the forces by them, and period maps at other values of them."""
 
 from __future__ import annotations
 
@@ -19,30 +19,19 @@ _PERIODIC = (BaseMotion, HarmonicsBaseMotion)
 
 @runtime_checkable
 class Retunes(Protocol):
-    """A period map that gives that of the same structure with another excitation, for less work than a new one."""
+    """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
-        """The map of a problem that differs by one number.
+        """The map of a problem with another value of one parameter; None if this map does not know it by the parameter.
 
-        Parameters
-        ----------
-        field : str
-            Path of the number, as `lapjoint.Axis` takes it.
-        value : float
-            Its value, in its SI unit; there is such a problem.
-        problem : callable
-            Gives the problem; called only where it is asked for.
-
-        Returns
-        -------
-        PeriodMap, or None
-            The same as the solver gives with this resolution; None if the map does not know it by this number.
+        `field` is the path of the parameter, as `lapjoint.Axis` takes it, and `value` its value in its SI unit;
+        `problem` gives the problem, and is called only where it is needed.
         """
 
 
 @dataclass(frozen=True)
 class ExcitationChange:
-    """How the ``H`` harmonic forces of a problem change with a number, over the number's unit."""
+    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter."""
 
     frequency: float
     """Derivative of the logarithm of all angular frequencies."""
@@ -51,20 +40,10 @@ class ExcitationChange:
 
 
 def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
-    """How the excitation of a problem changes with a number.
+    """How the excitation of a problem changes with the parameter at a path, which `lapjoint.Axis` takes.
 
-    Parameters
-    ----------
-    problem : Problem
-        Its excitation has a period.
-    field : str
-        Path of the number, as `lapjoint.Axis` takes it: `FREQUENCY` is that of all periodic excitation.
-
-    Returns
-    -------
-    ExcitationChange, or None
-        None if the number is not the frequency of all excitation, or the amplitude of a harmonic base motion, or
-        if there are sampled forces.
+    None if the parameter is neither the frequency of all periodic excitation, which is `FREQUENCY`, nor the amplitude
+    of a harmonic base motion, or if there are sampled forces.
     """
     base, forces = problem.base_motion, problem.forces
     if forces.sampled or problem.excitation_frequency is None:
@@ -79,21 +58,9 @@ def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
 
 
 def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChange:
-    """How harmonic forces change with the frequency of all of them, or with the amplitude of the base.
+    """How ``H`` harmonic forces change with `FREQUENCY` or `AMPLITUDE`, which has a `value`, in its SI unit.
 
-    Parameters
-    ----------
-    field : str
-        `FREQUENCY` or `AMPLITUDE`.
-    value : float
-        Its value, in its SI unit.
-    of_base : FloatArray, shape (H,)
-        1 for each force that is due to the base, whose acceleration goes with the square of the frequency; else 0.
-
-    Returns
-    -------
-    ExcitationChange
-        Of these ``H`` forces.
+    `of_base`, (H,), is 1 for each force that is due to the base, which goes with the square of the frequency; else 0.
     """
     sizes = 2 * of_base if field == FREQUENCY else of_base
     return ExcitationChange(1 / value if field == FREQUENCY else 0.0, sizes / value)

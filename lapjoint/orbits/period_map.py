@@ -1,13 +1,14 @@
-"""The motion of one problem, seen once in each period of its excitation: what a solver gives to be searched.
+"""The motion of one problem, seen once in each period of its excitation: what a solver gives for its orbits to be
+found.
 
 A *section point* is the state of a motion at a multiple of the period T.  The *period map* takes a section point to
 the one a period later; its fixed points are the periodic motions.  A problem that is its own mirror image has a finer
 map, over half a period and mirrored afterwards, z -> -z; its fixed points are the symmetric motions.
 
-`PeriodMap` is what a solver must give.  A solver that also gives `Tangent` (how deviations travel), or `Follows` (that,
-over many periods at once), is searched faster; without them finite differences of `PeriodMap.march` do the same work.
-A deviation is a vector in the solver's own coordinates; the search only adds and scales deviations, and multiplies
-them by the matrices that the solver gave.
+A solver must give a `PeriodMap`.  The search is faster if the solver also gives `Tangent` (how deviations travel) and
+`Follows` (how one deviation travels over many periods); without them finite differences of `PeriodMap.march` take their
+place.  A deviation is a vector in the solver's own coordinates; the search only adds and scales deviations, and
+multiplies them by the matrices that the solver gave.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class Passage:
-    """What a march over some half periods comes to."""
+    """The end of a march over some half periods, and what happened on the way."""
 
     end: SectionPoint
-    """Where it ends."""
+    """Where the march ends."""
     impulses: FloatArray
     """Impulse of each stop over the march, N s, top positive, bottom negative, shape ``(stops,)``."""
     switches: int
@@ -199,28 +200,13 @@ class PeriodMap(Protocol):
 
 
 MOST_PIECES = 10_000_000
-"""Largest number of periods of a march whose motion is kept: more would take hours, and all the memory there is."""
+"""Largest number of periods of a march whose motion is kept: more would take hours, and all memory."""
 
 
 def period_pieces(period: float, duration: float) -> list[float]:
-    """The pieces in which a march of any duration goes on, as the search does: whole periods, and what is left.
+    """The durations, s, of the whole periods, and of the rest, in which a march over a `duration` goes on.
 
-    Parameters
-    ----------
-    period : float
-        Excitation period, s.
-    duration : float
-        Of the whole march, s.
-
-    Returns
-    -------
-    list of float
-        Durations of the pieces, s.
-
-    Raises
-    ------
-    InputError
-        If these are more than `MOST_PIECES`.
+    An `InputError` refuses more than `MOST_PIECES`.
     """
     if duration / period > MOST_PIECES:
         raise InputError(
@@ -232,21 +218,9 @@ def period_pieces(period: float, duration: float) -> list[float]:
 
 
 def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
-    """How many periods of the excitation some decay times of the slowest free vibration take.
+    """The periods that some decay times 1 / (zeta omega) of the slowest free vibration take; 0 without damping.
 
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of a problem.
-    decay_times : float
-        Number of decay times 1 / (zeta omega), without unit.
-    most : int
-        Number of periods that the caller marches at most.
-
-    Returns
-    -------
-    int
-        0 without damping, and ``most + 1`` where it is more than `most`.
+    It is ``most + 1`` where they are more than `most`, the largest number that the caller marches.
     """
     if not period_map.lowest_damping_rate:
         return 0
@@ -260,7 +234,7 @@ class Derivative(NamedTuple):
     matrix: FloatArray
     """By the start, shape ``(n, n)``."""
     factors: tuple[FloatArray, FloatArray] | None = None
-    """Two matrices of which `matrix` is the product, of shapes ``(n, r)`` and ``(r, n)`` with few r; None if r is n."""
+    """Two matrices whose product `matrix` is, of shapes ``(n, r)`` and ``(r, n)`` with a small r; None if r is n."""
 
 
 @dataclass(frozen=True)
@@ -270,15 +244,15 @@ class Linearised:
     end: SectionPoint
     """Where it ends; not mirrored."""
     derivative: Callable[[], Derivative] = field(repr=False)
-    """Gives its derivative; called only where it is asked for."""
+    """Gives the derivative; called only where it is needed."""
     trace: Callable[[], Sequence[Segment]] = field(repr=False)
-    """Gives the march from switch to switch, without gaps in time; called only where it is asked for."""
+    """Gives the march from switch to switch, without gaps in time; called only where it is needed."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
-    """Gives the same without deviations, for e of no coordinates, where that is less work."""
+    """Gives the march without deviations (e has no coordinates), where that is less work; else None."""
 
     @cached_property
     def known(self) -> Derivative:
-        """Its derivative."""
+        """The derivative of the end by the start."""
         return self.derivative()
 
     @property
@@ -288,9 +262,9 @@ class Linearised:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of `matrix`, shape ``(n,)``: those of its factors the other way round, and 0.
+        """Eigenvalues of `matrix`, shape ``(n,)``: those of its factors in reverse order, and 0.
 
-        Of a pair the one with the positive imaginary part comes first.
+        Of a complex pair the one with the positive imaginary part comes first.
         """
         matrix, factors = self.known
         if factors is None:
@@ -305,7 +279,7 @@ class Linearised:
 
     @cached_property
     def motion(self) -> Segments:
-        """The same in arrays, if there are stops, for those who ask for the orbit's own motion alone."""
+        """The march from switch to switch in arrays, perhaps without deviations; there must be stops."""
         return Segments.of(self.segments if self.outline is None else self.outline())
 
 
@@ -340,43 +314,17 @@ class UnitNorms(Protocol):
     """A period map that knows the size of a unit of each coordinate of a deviation."""
 
     def unit_norms(self, n: int) -> FloatArray:
-        """`PeriodMap.norm` of the units.
-
-        Parameters
-        ----------
-        n : int
-            Number of coordinates.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            In the unit of `PeriodMap.norm`.
-        """
+        """`PeriodMap.norm` of a unit of each of the n coordinates of a deviation, shape (n,)."""
 
 
 LEAST_GROWTH = 1e-150
-"""Least growth of a deviation over a period, without unit, that is told from none: squares of smaller numbers are
-beyond double precision, and so are sizes, which are roots of sums of squares."""
+"""Least growth of a deviation over a period: the squares of smaller numbers, of which sizes are made, underflow."""
 
 
 def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
-    """A deviation that began a period with unit size, scaled to unit size again.
+    """The size, at least `LEAST_GROWTH`, of a deviation, (n,), of unit size a period before; and it, of unit size.
 
-    One that has all but vanished has lost its direction, and any other deviation goes on in its place.
-
-    Parameters
-    ----------
-    deviation : FloatArray, shape (n,)
-        The deviation at the end of the period, in the coordinates of the period map.
-    norm : callable
-        `PeriodMap.norm`, of a deviation of shape ``(n,)``.
-
-    Returns
-    -------
-    float
-        Its size, or `LEAST_GROWTH` where that is less.
-    FloatArray, shape (n,)
-        A deviation of unit size.
+    A deviation that has all but vanished has lost its direction, and any other deviation goes on in its place.
     """
     size = norm(deviation)
     if size < LEAST_GROWTH:
@@ -386,7 +334,7 @@ def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tupl
 
 @dataclass(frozen=True)
 class Followed:
-    """A march over some periods, and what became of one deviation."""
+    """A march over some periods, and the growth of one deviation."""
 
     points: tuple[SectionPoint, ...]
     """The section point after each period, as many as periods."""
@@ -395,8 +343,7 @@ class Followed:
     switches: int
     """How often a stop opened or closed."""
     growth: FloatArray
-    """Natural logarithm of the deviation's growth in each period, at least that of `LEAST_GROWTH`, shape
-    ``(periods,)``."""
+    """Natural logarithm of the deviation's growth in each period, of `LEAST_GROWTH` at least, shape ``(periods,)``."""
     deviation: FloatArray
     """The deviation at the end, of unit size, in the coordinates that belong to the last point, shape ``(n,)``."""
 

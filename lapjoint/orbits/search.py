@@ -1,23 +1,23 @@
-"""The search for the motion that remains: march, and find an orbit by Newton's method that the march is bound for.
+"""The search for the steady state: march, and find by Newton's method an orbit that the march is bound for.
 
-The march goes on period by period, as `simulate` does.  Now and then Newton's method is tried from where it is: for
-one period, symmetric motions first, and for several periods after which it has nearly come back.  A stable orbit is
-the steady state only if the march is bound for it for all time to come (`lapjoint.orbits.approach`); otherwise that
-says how long to march before it is worth looking at the same orbit again, and if the march meanwhile leaves the course
-that the linearised map predicts, the orbit is dropped.
+The march goes on period by period, as `simulate` does.  Now and then Newton's method begins at its section point: for
+one period, symmetric motions first, and for several periods after which the march has nearly come back.  A stable orbit
+is the steady state only if the march is bound for it for all time to come (`lapjoint.orbits.approach`).  If it is not,
+the forecast says how long to march before the orbit is looked at again.  The orbit is dropped if the march meanwhile
+leaves the course that the linearised map predicts.
 
-A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  One that has not settled
-for long is followed together with a deviation, and the Lyapunov exponent is measured over stretches ever longer.  It is
-believed when two stretches in a row show the same, the second longer than the first: a long transient, or chaos that
-pauses, deceives one of them more easily than both.  The second must last for twenty decay times of the slowest free
-vibration, and for a hundred if a stable orbit is known, or found where the march nearly comes back; all within the
-effort allowed.  Anyone can repeat that second march, so the motion counts as accepted at its start.  A march that all
-but comes back is not called quasi-periodic.
+A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  A march that has not
+settled for long is followed together with a deviation, and its Lyapunov exponent is measured over ever longer
+stretches.  The outcome is believed when two successive stretches show it, the second longer than the first: a long
+transient, or chaos that pauses, deceives one of them more easily than both.  The second stretch must last for twenty
+decay times of the slowest free vibration, and for a hundred if a stable orbit is known, or found where the march nearly
+comes back; all within the effort allowed.  The motion counts as accepted at the start of the second stretch, from which
+anyone can repeat it.  A march that all but comes back is not called quasi-periodic.
 
-Where a deviation grows beyond rounding in each of the last periods, rounding alone decides where each of them ends:
-Newton's method is not tried again, and the stretches begin at once, with as few periods as give a standard error.
+Where a deviation grows beyond rounding in each of the last periods, rounding alone decides where each period ends.
+Newton's method is then not tried again, and the stretches begin at once, as short as a standard error allows.
 
-All effort is counted in periods and switches, so that no outcome depends on the speed of the machine.
+All effort is counted in periods and switches: no outcome depends on the speed of the machine.
 """
 
 from __future__ import annotations
@@ -29,59 +29,59 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lapjoint.answers.steady_state import Acceptance, Outcome, SectionPoint
-from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error
+from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.orbits.finite_differences import FiniteDifferences
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
 from lapjoint.orbits.newton import BEYOND_ROUNDING, FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Followed, Follows, PeriodMap, decay_periods
 from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS, disturbed, pushed_off
-from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, shown
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, nearest_return, outcome_of
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
+from lapjoint.summaries.correlated_series import standard_error
 
 FIRST_LOOK = 8
-"""Periods after which Newton's method is first tried: most motions from rest are then near enough for it."""
+"""Periods after which Newton's method is first tried from rest: most motions are then near enough to their orbit."""
 FIRST_LOOK_NEAR = 4
-"""The same where the search starts from a known section point, which is likely to be near the motion."""
+"""Periods after which it is first tried from a known section point, which is likely to be near an orbit."""
 TRANSIENT = 256
-"""Periods marched before an exponent is measured, so that the transient does not count."""
+"""Periods marched before an exponent is measured: the transient must not count."""
 STRETCH = 512
 """Least number of periods over which an exponent is measured."""
 SHORT_STRETCH = 64
-"""The same where a deviation grows beyond rounding in each period: the least for a standard error of the mean."""
+"""Least number where a deviation grows beyond rounding in each period: enough for a standard error of the mean."""
 _NEARLY_BACK = 0.05
-"""Distance from an earlier section point, over the size of the motion, up to which Newton's method is tried for an
-orbit of as many periods."""
+"""Largest distance from an earlier section point, over the size of the motion, from which Newton's method is tried for
+an orbit over the periods between them."""
 _RETURNS = 3
-"""Number of such earlier points, the nearest, for which it is tried."""
+"""Number of the nearest such points for which it is tried."""
 _NEAR = 0.2
-"""Largest residual over several periods, over the size of the motion, from which it is tried."""
+"""Largest residual over several periods, over the size of the motion, from which Newton's method is tried."""
 _COURSE = 0.25
-"""Share of the step that the linearised map makes, by which the march may miss it."""
+"""Largest share of the linearised map's step by which the march may miss that step."""
 _SLOWER = 0.5
-"""Share of what the slowest multiplier takes off the distance, by which the march may miss the linearised map; if it
-misses it by more, it may go around the orbit for ever."""
+"""Largest share of the decrease of the distance by the slowest multiplier by which the march may miss the linearised
+map: a march that misses by more may go around the orbit for ever."""
 _THERE = 1e-8
-"""Distance from an orbit, over the size of the motion, up to which rounding decides how a step goes."""
+"""Distance from an orbit, over the size of the motion, within which rounding decides how a step goes."""
 _AT = 1e-11
-"""Distance from an orbit, over the size of the motion, up to which a march is at the orbit: rounding and the tolerance
-of switches make some 1e-13 of it."""
+"""Distance from an orbit, over the size of the motion, within which a march is at the orbit: rounding and the tolerance
+of switches make some 1e-13."""
 MULTIPLES_AT_A_LOOK = 8
-"""Periods that a march goes on each time Newton's method is tried, to see after how many it comes back."""
+"""Periods marched each time Newton's method is tried, to see after how many the march comes back."""
 DECAY_TIMES = 20.0
-"""Decay times of the slowest free vibration for which a march must not repeat: exp(-20) = 2e-9 of a transient is
-left."""
+"""Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9."""
 SUSPECT = 5
-"""Times as long as that for which it must not repeat where a stable orbit is known: chaos may be a long transient."""
+"""Factor of that length where a stable orbit is known: chaos may then be a long transient."""
 _WATCHED = 192
 """Number of the last points of a stretch among which nearly closed orbits are looked for."""
 _FEW = 3
-"""Largest number of periods of those orbits."""
+"""Largest number of periods of these orbits."""
 _TRIED = 4
-"""Number of those orbits for which Newton's method is tried, the most nearly closed."""
+"""Number of these orbits, the most nearly closed, for which Newton's method is tried."""
 _LOCKED = 1e-3
-"""Distance from an earlier section point, over how far the march wanders, up to which the motion may be locked to some
+"""Distance from an earlier section point, over the breadth of the march, within which the motion may be locked to some
 multiple of the period, and is not called quasi-periodic."""
 
 
@@ -96,56 +96,34 @@ class Effort:
     max_switches: int = 20_000_000
     """Switches met on the way, at most."""
     growth: bool = True
-    """Whether to measure how much deviations grow on the way; it takes about as long again."""
+    """Whether to measure the growth of deviations on the way, which about doubles the time."""
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a search ended with: an orbit, or a march that was not found to repeat."""
+class SearchResult:
+    """The end of a search: an orbit, or a stretch of a march that was not found to repeat."""
 
     motion: Orbit | Wandering
-    """What the march does."""
+    """The orbit or the stretch."""
     acceptance: Acceptance
     """From where, and how late, the motion was accepted."""
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation is within a share of the orbit's size, or some residuals of one that does not close.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    share : float
-        Of the size of the orbit's section point.
-    orbit : Orbit
-        The orbit.
-    deviation : FloatArray, shape (n,)
-        In the coordinates that belong to its section point.
-    """
+    """Whether a deviation, (n,), is within a share of the orbit's size, or within ten residuals of the orbit."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
 def as_linearised(
     half_periods: HalfPeriods, orbit: Orbit, deviation: FloatArray, after: Callable[[], FloatArray]
 ) -> bool:
-    """Whether a march comes nearer to an orbit by the step that the linearised map makes, well enough.
+    """Whether a march comes nearer to a stable orbit by the step that the linearised map makes, well enough.
 
-    It must if the orbit has no switches and the march is bound for it.  Else, if M is the map's derivative, what it
-    misses is small against the step (I - M) e, which is that of no other fixed point, and against what the slowest
-    multiplier takes off the distance, or a motion of many more periods around the orbit would pass.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    orbit : Orbit
-        A stable orbit.
-    deviation : FloatArray, shape (n,)
-        The deviation e from it, in the coordinates that belong to its section point.
-    after : callable
-        Gives the deviation after one more period of the orbit, in the same coordinates, shape ``(n,)``; called only if
-        it is needed.
+    `deviation`, (n,), is e at the orbit's section point; `after` gives e one period of the orbit later, and is called
+    only where it is needed. Without switches the march must make that step if it is bound for the orbit. Else, if M is
+    the map's derivative, the march misses the linearised step by little against (I - M) e, the step of no other fixed
+    point, and against what the slowest multiplier takes off the distance: a motion of many periods around the orbit
+    would not.
     """
     if not orbit.watch.switches.time.size or near(half_periods, _THERE, orbit, deviation):
         return True
@@ -154,68 +132,44 @@ def as_linearised(
     return norm(after() - mapped) <= min(_COURSE * norm(deviation - mapped), slower)
 
 
-class Search:
-    """A march under way.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem.
-    effort : Effort
-        How hard to look.
-    progress : callable, optional
-        Called with the periods marched, and the most allowed.
-    """
+class SteadyStateSearch:
+    """A march under way; `progress` is called with the periods marched and the most allowed."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, progress: Progress | None = None) -> None:
         self._map, self._effort, self._progress = period_map, effort, progress
         self._half_periods = HalfPeriods(period_map)
         self._follows: Follows = period_map if isinstance(period_map, Follows) else FiniteDifferences(period_map)
-        self._marched = self._switches = self._pushes = 0
+        self.point: SectionPoint
+        """Where the march is, once it runs."""
+        self.marched = 0
+        """Periods that it has marched."""
+        self._switches = self._pushes = 0
         self._growth: list[FloatArray] = []  # logarithms, period by period, of what was followed
         self._deviation: FloatArray | None = None
         self._spirals = False  # whether an unstable orbit is known that nearby motions leave in spirals
         self._stable_known = False  # whether a stable orbit is known that the march is not bound for
         self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
 
-    def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> Found:
-        """March until a motion is certified, or the effort allowed is spent.
-
-        Parameters
-        ----------
-        start : SectionPoint
-            Where the march begins; a point of the period map.
-        first_look : int
-            Number of periods after which Newton's method is first tried.
-
-        Returns
-        -------
-        Found
-            An orbit that the march is bound for, or a stretch of the march that was not found to repeat.
-
-        Raises
-        ------
-        SolverError
-            If the march cannot go on.
-        """
-        self._point, look = start, first_look
-        while self._marched < TRANSIENT and not self._spent:
-            self._advance(min(look, TRANSIENT, self._effort.max_periods) - self._marched)
+    def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> SearchResult:
+        """March until a motion is certified, or effort is spent; Newton's method begins after `first_look` periods."""
+        self.point, look = start, first_look
+        while self.marched < TRANSIENT and not self._spent:
+            self._advance(min(look, TRANSIENT, self._effort.max_periods) - self.marched)
             orbit = self._look()
             if orbit is not None:
                 return self._found(orbit)
             if self._rounding_decides:
                 break
             self._push_off()
-            look = max(2 * look, self._marched)
+            look = max(2 * look, self.marched)
         return self._wander()
 
-    def _wander(self) -> Found:
+    def _wander(self) -> SearchResult:
         """Go on with a march that has not settled, and measure its exponent over stretches ever longer."""
         before: Wandering | None = None
         stretch = self._shortest
         while True:
-            begun = Acceptance(self._point, self._marched)
+            begun = Acceptance(self.point, self.marched)
             now, points = self._measured(stretch)
             orbit = self._look() or self._come_back(points)
             if orbit is not None:
@@ -229,11 +183,11 @@ class Search:
                 before = None
             else:
                 wanted = max(2 * stretch, 0 if now.outcome is Outcome.UNDECIDED else self._enough)
-                stretch = max(min(wanted, self._effort.max_periods - self._marched), self._shortest)
+                stretch = max(min(wanted, self._effort.max_periods - self.marched), self._shortest)
 
     @property
     def _rounding_decides(self) -> bool:
-        """Whether a deviation grew beyond rounding in each of the last periods over which one was followed."""
+        """Whether a deviation grew beyond rounding in each of the last periods in which it was followed."""
         growth = np.concatenate([np.zeros(0), *self._growth[-MULTIPLES_AT_A_LOOK:]])
         return growth.size > 0 and float(growth.min()) > math.log(BEYOND_ROUNDING)
 
@@ -244,11 +198,11 @@ class Search:
 
     @property
     def _enough(self) -> int:
-        """Number of periods for which a march must not repeat: free vibration has decayed by then."""
+        """Periods after which free vibration has decayed: the least length of the second stretch."""
         return decay_periods(self._map, DECAY_TIMES, self._effort.max_periods)
 
     def _long_enough(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
-        """Whether a stretch that shows what the one before it showed was long enough to be believed."""
+        """Whether a stretch that confirms the one before it was long enough to be believed."""
         if now.outcome is Outcome.UNDECIDED:
             return True
         least = self._enough * (SUSPECT if self._may_settle(now, points) else 1)
@@ -257,29 +211,29 @@ class Search:
     @property
     def _spent(self) -> bool:
         """Whether the effort allowed is spent."""
-        return self._marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
+        return self.marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
 
-    def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> Found:
-        """What ends the search: a motion accepted here, or at the start of the last stretch that was measured."""
+    def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> SearchResult:
+        """The result of the search, accepted here, or where the last stretch began."""
         growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
-        at = at or Acceptance(self._point, self._marched)
-        return Found(motion, replace(at, pushes=self._pushes, growth=growth))
+        at = at or Acceptance(self.point, self.marched)
+        return SearchResult(motion, replace(at, pushes=self._pushes, growth=growth))
 
     def _advance(self, periods: int) -> None:
         """March on over some periods."""
         if self._effort.growth:
             self._follow(periods)
         elif periods > 0:
-            passage = self._map.march(self._point, 2 * periods)
-            self._point, self._deviation = passage.end, None
+            passage = self._map.march(self.point, 2 * periods)
+            self.point, self._deviation = passage.end, None
             self._count(periods, passage.switches)
 
     def _follow(self, periods: int) -> Followed | None:
         """March on over some periods, together with a deviation."""
         if periods <= 0:
             return None
-        found = self._follows.followed(self._point, self._unit_deviation(), periods)
-        self._point, self._deviation = found.points[-1], found.deviation
+        found = self._follows.followed(self.point, self._unit_deviation(), periods)
+        self.point, self._deviation = found.points[-1], found.deviation
         self._growth.append(found.growth)
         self._count(periods, found.switches)
         return found
@@ -291,26 +245,26 @@ class Search:
         return self._deviation if known and self._deviation is not None else random
 
     def _random_deviation(self) -> FloatArray:
-        """A random deviation of unit size, the same at every time, shape ``(n,)``."""
-        deviation = np.random.default_rng(0).standard_normal(self._map.difference(self._point, self._point).size)
+        """A random deviation of unit size, shape ``(n,)``; its numbers are the same each time."""
+        deviation = np.random.default_rng(0).standard_normal(self._map.difference(self.point, self.point).size)
         return deviation / self._map.norm(deviation)
 
     def _count(self, periods: int, switches: int) -> None:
-        self._marched += periods
+        self.marched += periods
         self._switches += switches
         if self._progress is not None:
-            self._progress(min(self._marched, self._effort.max_periods), self._effort.max_periods)
+            self._progress(min(self.marched, self._effort.max_periods), self._effort.max_periods)
 
     def _look(self) -> Orbit | None:
-        """The orbit that the march is bound for; on its way to one that it may be bound for, the march goes on."""
+        """The orbit that the march is bound for, if one is found; the march goes on meanwhile."""
         for count in range(self._half_periods.least, 3, self._half_periods.least):
             orbit = self._orbit(count, FAR)
             if orbit is not None:
                 return orbit
-        points = [self._point]
+        points = [self.point]
         for _ in range(min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)):
             self._follow(1)
-            points.append(self._point)
+            points.append(self.point)
         returns = np.array([self._half_periods.apart(point, points[-1]) for point in points[-2::-1]])
         self._closest = float(returns.min()), 2 * (int(np.argmin(returns)) + 1)
         for i in np.argsort(returns, kind="stable")[:_RETURNS]:
@@ -324,7 +278,7 @@ class Search:
         """The orbit over `count` half periods that Newton's method finds from here, if the march is bound for it."""
         if self._rounding_decides:
             return None
-        orbit = find_orbit(self._half_periods, self._point, count, farthest)
+        orbit = find_orbit(self._half_periods, self.point, count, farthest)
         if orbit is None:
             return None
         self._spirals |= orbit.spirals_out
@@ -339,45 +293,45 @@ class Search:
         return None
 
     def _bound_for(self, orbit: Orbit) -> bool:
-        """Whether the march is bound for a stable orbit; it goes on as long as it takes to tell."""
+        """Whether the march is bound for a stable orbit; the march goes on until that is known."""
         multiple, left = orbit.period_multiple, 2 * self._effort.max_periods // orbit.half_periods
         while True:
-            deviation = self._map.difference(self._point, orbit.point)
+            deviation = self._map.difference(self.point, orbit.point)
             forecast = orbit.forecast(deviation, left)
             if forecast.bound and self._as_linearised(orbit, deviation):
                 return True
             wait = math.ceil(forecast.fails * orbit.half_periods / 2)
             if wait > self._enough and near(self._half_periods, _AT, orbit, deviation):
                 return self._stays(orbit)
-            wait = multiple * math.ceil(max(wait, self._marched // 8, 1) / multiple)
-            if self._marched + wait > self._effort.max_periods or not self._on_course(orbit, deviation, wait):
+            wait = multiple * math.ceil(max(wait, self.marched // 8, 1) / multiple)
+            if self.marched + wait > self._effort.max_periods or not self.on_course(orbit, deviation, wait):
                 return False
 
     def _stays(self, orbit: Orbit) -> bool:
-        """March on until free vibration has decayed; whether the march is still at the orbit where it was at first.
+        """March on until free vibration has decayed; whether the march is still at the orbit.
 
-        A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, so that no forecast
-        can show that a march is bound for the orbit.
+        A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, and no forecast can
+        show that a march is bound for the orbit.
         """
         multiple = orbit.period_multiple
         wait = multiple * math.ceil(max(self._enough, TRANSIENT) / multiple)
-        if self._marched + wait > self._effort.max_periods:
+        if self.marched + wait > self._effort.max_periods:
             return False
         self._advance(wait)
-        return near(self._half_periods, _AT, orbit, self._map.difference(self._point, orbit.point))
+        return near(self._half_periods, _AT, orbit, self._map.difference(self.point, orbit.point))
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
         """Whether the next step of the march to the orbit is that of the linearised map; see `as_linearised`."""
 
         def after() -> FloatArray:
-            return self._map.difference(self._half_periods.marched(self._point, orbit.half_periods), orbit.point)
+            return self._map.difference(self._half_periods.marched(self.point, orbit.half_periods), orbit.point)
 
         return as_linearised(self._half_periods, orbit, deviation, after)
 
-    def _on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
+    def on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
         """March on over some periods; whether the march keeps to the course that the linearised map predicts.
 
-        It is compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
+        The two are compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
         """
         multiple = orbit.period_multiple
         matrix = np.linalg.matrix_power(orbit.last.matrix, 2 * multiple // orbit.half_periods)
@@ -390,7 +344,7 @@ class Search:
             self._advance(stride * multiple)
             done += stride
             predicted = power @ predicted
-            actual = self._map.difference(self._point, orbit.point)
+            actual = self._map.difference(self.point, orbit.point)
             if self._map.norm(actual - predicted) > _COURSE * self._map.norm(deviation - predicted):
                 return False
             if done < steps:
@@ -398,25 +352,25 @@ class Search:
         return done >= steps
 
     def _push_off(self) -> bool:
-        """Push the march off the unstable motion that it cannot leave; whether there is one."""
+        """Push the march off an unstable motion that it cannot leave; whether there is one."""
         closest, count = self._closest
         if closest > REPEATS:
             return False
-        point = pushed_off(self._half_periods, self._point, count, self._pushes)
+        point = pushed_off(self._half_periods, self.point, count, self._pushes)
         if point is None:
             return False
-        self._point = point
+        self.point = point
         self._pushes += 1
         return True
 
     def _disturbed(self, now: Wandering) -> bool:
-        """Disturb an aperiodic march; whether it was so narrow that this counts as a push."""
+        """Disturb an aperiodic march; whether it was so narrow that the disturbance counts as a push."""
         if not now.exponent.positive:
             return False
-        # What has grown may lie within a symmetry that the march keeps; a random deviation leaves it, too.
+        # The deviation that has grown may keep a symmetry of the march; a random one breaks it.
         both = self._unit_deviation() + self._random_deviation()
         both /= self._map.norm(both)
-        self._point = disturbed(self._half_periods, self._point, now.breadth, both, self._pushes)
+        self.point = disturbed(self._half_periods, self.point, now.breadth, both, self._pushes)
         pushed = now.breadth <= NARROW and self._pushes < PUSHES
         self._pushes += pushed
         return pushed
@@ -428,19 +382,19 @@ class Search:
         if not returns.size or returns.min() > _NEARLY_BACK:
             return None
         first = int(np.flatnonzero(returns <= 10 * returns.min() + RESIDUAL)[0])
-        self._point, before = points[-1], self._point
+        self.point, before = points[-1], self.point
         for multiple in dict.fromkeys((first + 1, int(np.argmin(returns)) + 1)):
             orbit = self._orbit(2 * multiple, _NEAR)
             if orbit is not None:
                 return orbit
-        if self._point is points[-1]:
-            self._point = before
+        if self.point is points[-1]:
+            self.point = before
         return None
 
     def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
-        """Whether an aperiodic march may be no more than a long transient, for all that is known.
+        """Whether an aperiodic march may be a long transient: there is a stable orbit.
 
-        It may be if there is a stable orbit.  One is looked for where the march comes back nearly after a few periods.
+        Orbits are looked for where the march nearly comes back after a few periods.
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known or self._rounding_decides:
             return self._stable_known and now.outcome is Outcome.APERIODIC
@@ -462,7 +416,9 @@ class Search:
         exponent = exponent_of(found.growth, self._map.period)
         most = min(self._effort.max_period_multiple, MULTIPLES_AT_A_LOOK)
         breadth, residual = breadth_and_residual(self._half_periods, found.points, most)
-        outcome = shown(exponent, self._map.lowest_damping_rate, breadth, spirals=self._spirals, pushes=self._pushes)
+        outcome = outcome_of(
+            exponent, self._map.lowest_damping_rate, breadth, spirals=self._spirals, pushes=self._pushes
+        )
         if outcome is Outcome.QUASIPERIODIC and nearest_return(self._half_periods, found.points) <= _LOCKED * breadth:
             outcome = Outcome.UNDECIDED
         wandering = Wandering(

@@ -1,4 +1,4 @@
-"""The parts of an orbit between its switches, and how deviations from it travel along each, as a solver gives them."""
+"""The segments of an orbit between its switches, and how deviations travel along each, as a solver gives them."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ class Segment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Segments(Sequence[Segment]):
-    """The ``S`` segments of an orbit, all their parts in arrays; each `Segment` is made when it is asked for.
+    """The ``S`` segments of an orbit in arrays, with zeros where a segment has fewer terms than another.
 
-    A segment with fewer terms than another has terms of no size instead, after its own.
+    Each `Segment` is made when it is asked for.
     """
 
     start: FloatArray
@@ -60,7 +60,7 @@ class Segments(Sequence[Segment]):
     closed: npt.NDArray[np.bool_]
     """`Segment.closed` of each, shape ``(S, P)``."""
     terms: npt.NDArray[np.intp]
-    """Number of terms of each, and of those that deviations have, shape ``(S, 2)``."""
+    """Number of terms of each, and of those in its deviations, shape ``(S, 2)``."""
     rates: ComplexArray
     """`Segment.rates` of each, 1/s, shape ``(S, K)``."""
     weights: ComplexArray
@@ -78,18 +78,7 @@ class Segments(Sequence[Segment]):
 
     @staticmethod
     def of(segments: Sequence[Segment]) -> Segments:
-        """Segments in arrays.
-
-        Parameters
-        ----------
-        segments : sequence of Segment
-            At least one, in the order of time.
-
-        Returns
-        -------
-        Segments
-            The same.
-        """
+        """Segments, at least one, in the order of time, in arrays."""
         if isinstance(segments, Segments):
             return segments
         terms = np.array([(one.rates.size, one.deviations.shape[0]) for one in segments])
@@ -121,7 +110,7 @@ class Segments(Sequence[Segment]):
         return self._one(range(len(self))[i])
 
     def _one(self, i: int) -> Segment:
-        """The segment with an index, which is not negative."""
+        """The segment with an index that is not negative."""
         K, own = self.terms[i].tolist()
         return Segment(
             start=float(self.start[i]),
@@ -138,7 +127,7 @@ class Segments(Sequence[Segment]):
 
 
 def _padded(parts: list[ComplexArray], size: int) -> ComplexArray:
-    """Arrays of shape ``(..., k)`` as one of shape ``(S, ..., size)``, with zeros after those that are shorter."""
+    """``S`` arrays of shape ``(..., k)`` as one of shape ``(S, ..., size)``, with zeros after the shorter ones."""
     made = np.zeros((len(parts), *parts[0].shape[:-1], size), dtype=complex)
     for one, part in zip(made, parts, strict=True):
         one[..., : part.shape[-1]] = part

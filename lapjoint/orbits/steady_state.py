@@ -1,4 +1,4 @@
-"""The steady state of a problem, from what the search found."""
+"""The steady state of a problem, made of the motion that the search found."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.orbit_errors import FinerMap, orbit_errors
 from lapjoint.orbits.period_map import PeriodMap
-from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, MULTIPLES_AT_A_LOOK, Effort, Found, Search
+from lapjoint.orbits.search import (
+    FIRST_LOOK,
+    FIRST_LOOK_NEAR,
+    MULTIPLES_AT_A_LOOK,
+    Effort,
+    SearchResult,
+    SteadyStateSearch,
+)
 from lapjoint.orbits.wandering import Wandering
 from lapjoint.solver import Progress
 
@@ -43,7 +50,7 @@ def find_steady_state(
         Where to begin instead of at the problem's initial state: a section point of the same solver, of this or a
         neighbouring problem.
     finer : callable, optional
-        Gives the period map of a finer self of the solver; without it the errors of a periodic motion are unknown.
+        Gives the period map at a finer resolution; without it the errors of a periodic motion are unknown.
     errors : bool
         Whether to estimate the errors of the impulses and of the contacts.
     progress : callable, optional
@@ -63,13 +70,13 @@ def find_steady_state(
     """
     begin = period_map.initial() if start is None else period_map.adopted(start)
     first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR
-    found = Search(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
+    found = SteadyStateSearch(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))
     steady = _certified(period_map, solver, found, effort)
     return _with_errors(steady, found.motion, finer) if errors else steady
 
 
 def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable[[], FinerMap] | None) -> SteadyState:
-    """The same with its errors: from a finer self of the solver, or of a mean over what does not repeat."""
+    """A steady state with its errors: by a finer resolution, or standard errors where the motion does not repeat."""
     if isinstance(motion, Wandering):
         source = f"standard error of the mean over {motion.exponent.periods} periods"
         unknown = "unknown: the motion does not repeat, and a finer one makes other contacts"
@@ -88,8 +95,8 @@ def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable
     )
 
 
-def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort) -> SteadyState:
-    """March once over what was found, with contacts, and say what it is."""
+def _certified(period_map: PeriodMap, solver: str, found: SearchResult, effort: Effort) -> SteadyState:
+    """The steady state that the search found, marched once more with its contacts."""
     motion = found.motion
     if isinstance(motion, Orbit):
         return periodic_state(period_map, solver, motion, found.acceptance)
@@ -111,24 +118,7 @@ def _certified(period_map: PeriodMap, solver: str, found: Found, effort: Effort)
 
 
 def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
-    """A periodic motion with its certificate, stable or not.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The map of which it is an orbit.
-    solver : str
-        Name and options of the solver.
-    orbit : Orbit
-        The motion.
-    acceptance : Acceptance, or None
-        From where, and how late, a march was accepted as bound for it; None where nothing was marched.
-
-    Returns
-    -------
-    SteadyState
-        Without errors.
-    """
+    """A periodic motion, stable or not, with its certificate; `acceptance` is None where nothing was marched."""
     history = period_map.history(orbit.point, orbit.period_multiple)
     return SteadyState(
         problem=period_map.problem,
@@ -147,16 +137,5 @@ def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance:
 
 
 def mirrors_itself(history: History) -> bool:
-    """Whether a motion of one period must mirror itself: it answers harmonic loads alone, and touches nothing.
-
-    Parameters
-    ----------
-    history : History
-        One period of the motion.
-
-    Returns
-    -------
-    bool
-        Whether it must.
-    """
+    """Whether a motion over one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
     return not history.contacts and history.problem.forces.change_sign

@@ -1,13 +1,13 @@
-r"""Deviations that a stable orbit takes back for certain, looked at for many marches at once.
+r"""Deviations from a stable orbit that are certain to die out, tested for many marches at once.
 
-`lapjoint.orbits.approach` asks of one march whether all that becomes of its deviation e meets the conditions there.
-With the eigenvectors V of the orbit's derivative, a = V^-1 e, and no multiplier outside the unit circle,
+`lapjoint.orbits.approach` tests whether the deviation e of one march, and all later deviations e_k, meet its
+conditions. With the eigenvectors V of the orbit's derivative, a = V^-1 e, and no multiplier outside the unit circle,
 
     |D e_k| <= sum_i |D V_i| |a_i|    for all k >= 0,
 
-and so for the switches.  Where these bounds meet the conditions, so do all e_k.  It is the last step of a forecast,
-taken at k = 0: it asks for a little more, so that a march is bound some periods later, but it is one product of
-matrices for many marches.
+and likewise at the switches.  If these bounds meet the conditions, all e_k do.  The test is the last step of a
+forecast, made at k = 0.  It binds a march some periods later than the forecast does, but takes one product of matrices
+for many marches.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from lapjoint.orbits.watch import Deviated
 from lapjoint.problem import FloatArray
 
 _SOUND_BASIS = 1e-6
-"""Largest error of V V^-1 for which eigenvectors are a basis: else nothing is taken to be trapped."""
+"""Largest error of V V^-1 for which the eigenvectors are a basis; without a basis nothing is trapped."""
 
 
 @dataclass(frozen=True)
 class Trap:
-    """A stable orbit, and the deviations from it that are bound for it."""
+    """A stable orbit, with the test of deviations from it."""
 
     orbit: Orbit
 
@@ -52,18 +52,7 @@ class Trap:
         return Deviated(*(_modulus(part) for part in (both.largest, both.at_switches, both.rates)))
 
     def holds(self, deviations: FloatArray) -> np.ndarray:
-        """Whether the orbit is what marches with these deviations are bound for, as far as its linearised map tells.
-
-        Parameters
-        ----------
-        deviations : FloatArray, shape (k, n)
-            In the coordinates that belong to the orbit's section point.
-
-        Returns
-        -------
-        ndarray of bool, shape (k,)
-            Whether each is.
-        """
+        """Whether marches with deviations, (k, n), are bound for the orbit as far as its linearised map tells, (k,)."""
         held = np.zeros(len(deviations), dtype=np.bool_)
         if self._inverse is None or not len(deviations):
             return held
@@ -80,5 +69,5 @@ class Trap:
 
 
 def _modulus(both: FloatArray) -> FloatArray:
-    """Moduli of complex numbers whose real parts are the first half of the columns, and imaginary ones the second."""
+    """Moduli of complex numbers, whose real and imaginary parts are the first and the second half of the columns."""
     return np.asarray(np.hypot(*np.split(both, 2, axis=1)))

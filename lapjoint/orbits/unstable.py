@@ -1,13 +1,13 @@
-"""A march that stays at an unstable motion, and how it is made to leave it.
+"""A march that stays at an unstable motion, and how it is pushed off.
 
-Deviations from an unstable motion grow, but a march need not have any.  One from rest stays in the subspace of a
-symmetry of the problem, of left and right for instance, though the motion there may be unstable to everything outside.
-And truncation keeps a march near it that has left it: where two stops switch together, the order in which they do
-decides what the modes of the state between them lose.  The map jumps there by some c, and where the jump points back, a
-deviation d grows only if (mu - 1) |d| > c, mu being the multiplier.  No motion of a real joint stays for such reasons.
+Deviations from an unstable motion grow, but a march may have none.  A march from rest stays in the subspace of a
+symmetry of the problem, as of left and right, though the motion there may be unstable to deviations out of it.  And
+truncation can keep a march near an unstable motion: where two stops switch together, their order decides which part of
+the motion the modes of the state between them lose.  The map jumps there by some c, and where the jump points back, a
+deviation d grows only if (mu - 1) |d| > c, with the multiplier mu.  No motion of a real joint stays for such reasons.
 
-So a march that repeats, but whose deviations grow, is pushed off in the direction in which they grow most, to the
-side on which it is already, well beyond what it has been seen to wander by.  One that is leaving anyway is hastened.
+A march that repeats, but whose deviations grow, is therefore pushed in the direction in which they grow most, to the
+side on which the march already is, well beyond the distance by which it has been seen to wander.
 """
 
 from __future__ import annotations
@@ -16,45 +16,29 @@ import numpy as np
 
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.orbits.half_periods import HalfPeriods
+from lapjoint.orbits.newton import GROWS
 from lapjoint.problem import FloatArray
 
 REPEATS = 1e-4
-"""Distance, over the size of the motion, within which a march that comes back repeats: the map of ten or more modes
-jumps by as much."""
+"""Distance, over the size of the motion, within which a march that comes back repeats: with ten or more modes the map
+may jump by as much."""
 NARROW = 1e-2
-"""Farthest distance from an unstable motion, over its size, at which truncation may keep a march."""
+"""Largest distance from an unstable motion, over its size, at which truncation may keep a march."""
 PUSHES = 3
-"""Most pushes of one march, each ten times as far as the one before: from 1e-4 of the size of the motion to 1e-2."""
+"""Most pushes of one march, each ten times as far as the push before: from 1e-4 to 1e-2 of the motion's size."""
 _BEYOND = 10.0
-"""Length of the first push over the distance by which the march wanders, and of each later one over the one before."""
+"""Length of the first push, over the breadth of the march, and of each later push, over the push before."""
 _FARTHEST = 3e-2
 """Longest push over the size of the motion: after a longer one the march would begin anew."""
 _DISTURBANCE = 1e-3
-"""Length of a disturbance of a chaotic march over its size: far more than rounding, too little to end chaos."""
-_GROWS = 1e-6
-"""Distance outside the unit circle from which a multiplier is not one on the circle, rounded."""
+"""Length of the disturbance of a chaotic march, over its size: far above rounding, too little to end chaos."""
 
 
 def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: int) -> SectionPoint | None:
-    """The march pushed off the unstable motion that it cannot leave; None if there is no such motion.
+    """Where a march goes on that cannot leave an unstable motion, pushed off it; None if there is no such motion.
 
-    None, too, if the derivative is beyond double precision: it then says nothing of directions.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    now : SectionPoint
-        Where the march is.
-    count : int
-        The number of half periods after which it comes back most closely.
-    times : int
-        How often it has been pushed before.
-
-    Returns
-    -------
-    SectionPoint, or None
-        Where the march goes on.
+    After `count` half periods the march comes back most closely, and it has been pushed `times` before. None, too, if
+    the derivative is beyond double precision, and says nothing of directions.
     """
     if times >= PUSHES:
         return None
@@ -70,33 +54,17 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """An aperiodic march, moved along a deviation that has grown with it: chaos must go on after that.
+    """An aperiodic march, moved along a unit deviation, (n,), that has grown with it: chaos must go on after it.
 
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    now : SectionPoint
-        Where the march is.
-    wander : float
-        How far it wanders from repeating, over its size.  Up to `NARROW` it may be unable to leave an unstable motion,
-        and is pushed as far as a march that is.
-    deviation : FloatArray, shape (n,)
-        Of unit size, in the coordinates that belong to `now`.
-    times : int
-        How often it has been pushed before.
-
-    Returns
-    -------
-    SectionPoint
-        Where the march goes on.
+    `wander` is how far the march is from repeating, over its size. Up to `NARROW` it may be unable to leave an unstable
+    motion, and is pushed as far as a march that is; it has been pushed `times` before.
     """
     length = _length(wander, times) if wander <= NARROW else _DISTURBANCE
     return _moved(half_periods, now, length * deviation)
 
 
 def _length(wander: float, times: int) -> float:
-    """Length of a push of a march that wanders so far; both over its size."""
+    """Length of the next push of a march that wanders by `wander`; both over its size."""
     return min(max(REPEATS, _BEYOND * wander) * _BEYOND**times, _FARTHEST)
 
 
@@ -106,13 +74,13 @@ def _moved(half_periods: HalfPeriods, now: SectionPoint, part: FloatArray) -> Se
 
 
 def _growing(half_periods: HalfPeriods, matrix: FloatArray, step: FloatArray) -> FloatArray | None:
-    """The direction in which deviations grow most, to the side of `step`, the last one made; None if none grows."""
+    """The direction in which deviations grow most, to the side of the march's last step; None if no deviation grows."""
     values, vectors = np.linalg.eig(matrix)
     leading = int(np.argmax(np.abs(values)))
-    if abs(values[leading]) <= 1 + _GROWS:
+    if abs(values[leading]) <= 1 + GROWS:
         return None
     direction = np.real(vectors[:, leading])
     direction = direction / half_periods.map.norm(direction)
-    # A step is (mu - 1) times the deviation.  Of a complex pair, and of a mu below -1, the march sees both sides.
+    # A step is (mu - 1) times the deviation.  With a complex pair, or mu below -1, the march sees both sides.
     side = np.real(np.linalg.solve(vectors, step.astype(vectors.dtype))[leading])
     return direction if side >= 0 else -direction

@@ -1,4 +1,4 @@
-"""What is measured of a march that was not found to repeat, and what that shows."""
+"""Measurements of a march that was not found to repeat, and the outcome that they show."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lapjoint.orbits.unstable import NARROW, PUSHES, REPEATS
 from lapjoint.problem import FloatArray
 
 _WATCHED = 64
-"""Number of the last periods of a march over which it is measured how far it wanders."""
+"""Number of the last periods of a march over which its breadth is measured."""
 
 
 @dataclass(frozen=True)
@@ -19,15 +19,15 @@ class Wandering:
     """A stretch of a march over which an exponent was measured."""
 
     outcome: Outcome
-    """What it shows: aperiodic, quasi-periodic, or undecided."""
+    """The outcome that it shows: aperiodic, quasi-periodic, or undecided."""
     exponent: Exponent
     """The largest Lyapunov exponent over the stretch."""
     point: SectionPoint
     """Where the stretch ends."""
     breadth: float
-    """How far it wanders from repeating, over its size: the farthest of all returns, at the best period multiple."""
+    """Farthest return of its last points, over their size, at the period multiple that makes it least."""
     residual: float
-    """How closely its last points repeat, over their size, at the best period multiple."""
+    """Distance of its last return, over its size, at the period multiple that makes this least."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
     standard_errors: FloatArray
@@ -37,41 +37,22 @@ class Wandering:
         """Whether this shows what the stretch before it showed, so that more would tell nothing new.
 
         If deviations died out in both, the motion repeats, after more periods than were looked for.
-
-        Parameters
-        ----------
-        before : Wandering
-            The stretch of the same march that ends where this one begins.
         """
         if self.outcome is Outcome.UNDECIDED:
             return before.exponent.negative and self.exponent.negative
         return self.outcome is before.outcome
 
 
-def shown(exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int) -> Outcome:
-    """What one measurement establishes of a march.
+def outcome_of(
+    exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int
+) -> Outcome:
+    """What one measurement establishes of a march: `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
 
     The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be unable to leave an
-    unstable motion and has not been pushed off for certain: there it is the growth of deviations that the march does
-    not make.
-
-    Parameters
-    ----------
-    exponent : Exponent
-        As measured.
-    lowest_damping_rate : float
-        Lowest rate at which free vibration decays by damping, 1/s; 0 without damping.
-    breadth : float
-        How far the march wanders from repeating, over its size.
-    spirals : bool
-        Whether an unstable periodic motion that nearby motions leave in spirals is known.
-    pushes : int
-        How often the march has been pushed off an unstable motion.
-
-    Returns
-    -------
-    Outcome
-        `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
+    unstable motion, before it has been pushed often enough: there the exponent is the growth of deviations that the
+    march does not make. `breadth` is how far the march is from repeating, over its size; `spirals` says whether an
+    unstable periodic motion is known that nearby motions leave in spirals; `pushes` counts those off an unstable
+    motion.
     """
     if breadth <= REPEATS:
         return Outcome.UNDECIDED
@@ -81,22 +62,9 @@ def shown(exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spi
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """How far the last points of a march are from repeating after some periods.
+    """How far a march is from repeating: its farthest and its last return among the last points, over their size.
 
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    points : sequence of SectionPoint
-        Points of the march, one a period, at least two.
-    most : int
-        Largest period multiple that is tried, at least 1.
-
-    Returns
-    -------
-    tuple of float
-        The farthest of all returns, and the last one, each over the size of the motion and at the period multiple that
-        makes it least.
+    Each is that of the period multiple, up to `most`, that makes it least.
     """
     last = points[-_WATCHED - 1 :]
     map_ = half_periods.map
@@ -110,19 +78,6 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """How closely the last point of a march comes back to one in the later half of its points.
-
-    Parameters
-    ----------
-    half_periods : HalfPeriods
-        The map.
-    points : sequence of SectionPoint
-        Points of the march, one a period.
-
-    Returns
-    -------
-    float
-        The least distance over the size of the motion; inf if there is no other point.
-    """
+    """The least distance of a march's last point from its later half, over the size; inf without another point."""
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

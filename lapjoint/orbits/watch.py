@@ -1,13 +1,14 @@
-r"""How near an orbit comes to every stop, and how near deviations from it do: at every phase, not at samples only.
+r"""Bounds on the distances of an orbit, and of deviations from it, to every stop, at every phase and not only at
+samples.
 
 Along an orbit each stop has a distance |h_s(t)| from its gap, zero where it switches.  A deviation e at the start moves
 the beam at the stop by d_s(t) = D_s(t) e.  Time is cut into intervals; in each
 
     |h_s| >= min over both ends - H w^2 / 8,      |d_s| <= max over both ends + sum_k |a_k| min(|r_k|^2 w^2 / 8, 2)
 
-with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s: no term grows, a chord misses a function by
-at most w^2 / 8 of its second derivative, and no term by more than twice its size.  Intervals are made narrower where
-the first bound would not be tight, and towards the switches, where h vanishes.
+with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s: no term grows, and a chord misses a
+function by at most w^2 / 8 times its second derivative, and a term by at most twice its size.  Intervals are narrower
+where the first bound would not be tight, and towards the switches, where h vanishes.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray, Problem, Stop
 
 _PER_HALF_PERIOD = 16
-"""Least number of intervals of equal width in half a period of the fastest excitation, to begin with."""
+"""Least number of intervals in half a period of the fastest excitation, before any is divided."""
 
 
 @dataclass(frozen=True)
@@ -74,18 +75,18 @@ class Intervals:
 
 @dataclass(frozen=True)
 class Deviated:
-    """What ``K`` deviations come to."""
+    """The motion of ``K`` deviations along an orbit."""
 
     largest: FloatArray
-    """Bound on their motion at the stop in each interval, m, shape ``(m, K)``."""
+    """Bound on the motion at the stop in each interval, m, shape ``(m, K)``."""
     at_switches: FloatArray
-    """Motion at the stop that switches, when it does, m, shape ``(J, K)``."""
+    """Motion at the stop that switches, at the switch, m, shape ``(J, K)``."""
     rates: FloatArray
-    """Its rate just before the switch, m/s, shape ``(J, K)``."""
+    """Rate of that motion just before the switch, m/s, shape ``(J, K)``."""
 
 
 class Watch(Protocol):
-    """An orbit's distances from all stops, and those of deviations from it."""
+    """An orbit's distances from all stops, and the motion of deviations there."""
 
     @property
     def switches(self) -> Switches:
@@ -96,35 +97,11 @@ class Watch(Protocol):
         """Pairs of a stop and an interval, for all stops and all its intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """What deviations come to along the orbit.
-
-        Parameters
-        ----------
-        deviations : FloatArray, shape (n, K)
-            Deviations at the start of the orbit as columns, in the coordinates that belong to its section point.
-
-        Returns
-        -------
-        Deviated
-            Their motion at the stops, in all intervals and at all switches.
-        """
+        """The motion of deviations, (n, K), columns in the coordinates of its section point, along the orbit."""
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
-    """Stops as compiled functions take them.
-
-    Parameters
-    ----------
-    stops : sequence of Stop
-        The ``P`` stops, at ``U`` places.
-    twins : sequence of int, optional
-        The twin of each on the other side, if the motion goes on mirrored; without it each stop is its own.
-
-    Returns
-    -------
-    Stops
-        Places are numbered from the smallest coordinate on.
-    """
+    """Stops as compiled functions take them, with the twin of each where the motion goes on mirrored; places ascend."""
     return Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
         gap=np.array([stop.gap for stop in stops], dtype=float),
@@ -134,17 +111,7 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
 
 
 class SegmentWatch:
-    """The watch over an orbit whose segments are known in closed form.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem whose stops are watched.
-    segments : sequence of Segment
-        The orbit.
-    twins : tuple of int, or None
-        The twin of each stop on the other side, if the orbit goes on mirrored after the last segment.
-    """
+    """The watch over an orbit with segments in closed form; with `twins` the orbit goes on mirrored."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
@@ -158,7 +125,7 @@ class SegmentWatch:
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)
         self.switches = Switches(time, stop, rate, curvature, spacings(time, stop, stops.beyond, length))
         points = first_points(motion.duration, math.pi / problem.forces.fastest / _PER_HALF_PERIOD)
-        self._segment, self._tau, distance = refined(motion, stops, *points)
+        self.segment, self.tau, distance = refined(motion, stops, *points)
         self.intervals = self._intervals(motion, stops, distance, length)
         self._set_up_deviations(segments, first, motion)
 
@@ -170,7 +137,7 @@ class SegmentWatch:
         drift: FloatArray = np.zeros((0, 0, 2, count))
         if self._drift is not None:
             drift = (self._drift @ deviations).reshape(segments, places, 2, count)
-        points = self._segment, self._tau, self._terms, self._misses
+        points = self.segment, self.tau, self._terms, self._misses
         largest_motion(*points, amplitudes, drift, self._place, largest)
         own = amplitudes[:, self._switching].transpose(1, 0, 2, 3).reshape(self._durations.size, 2 * terms, count)
         at_switches, rates = (self._at_switches @ own)[:, :, 0]
@@ -181,9 +148,9 @@ class SegmentWatch:
         return Deviated(largest.reshape(self.intervals.stop.size, count), at_switches, rates)
 
     def _intervals(self, motion: Motion, stops: Stops, distance: FloatArray, length: float) -> Intervals:
-        """The intervals between points of one segment, and what is known of them."""
-        inside = self._segment[:-1] == self._segment[1:]
-        time = motion.start[self._segment] + self._tau
+        """The intervals between points of one segment, with their distances and the switches beside them."""
+        inside = self.segment[:-1] == self.segment[1:]
+        time = motion.start[self.segment] + self.tau
         start, end, switches = time[:-1][inside], time[1:][inside], self.switches
         before, since, after, until = among_switches(start, end, switches.time, switches.stop, stops.beyond, length)
         self._intervals_in_time = start.size
@@ -202,7 +169,7 @@ class SegmentWatch:
         rows = np.array([segments.deviations.real, segments.deviations.imag])
         self._shape, self._rows = (count, first.size, terms), rows.reshape(-1, n)
         self._drift = segments.drift[:, first].reshape(-1, n) if segments.drift.any() else None
-        self._terms, self._misses = terms_at_points(self._segment, self._tau, motion.rates, motion.weights, terms)
+        self._terms, self._misses = terms_at_points(self.segment, self.tau, motion.rates, motion.weights, terms)
         rates, weights = motion.rates[:, :terms], motion.weights[:, :, :terms]
         at, self._durations = self._switching, motion.duration[self._switching]
         own = weights[at, self._place[self.switches.stop]] * np.exp(rates[at] * self._durations[:, None])
@@ -211,20 +178,7 @@ class SegmentWatch:
 
 
 def motion_at(segments: Segments, first: IndexArray) -> Motion:
-    """Segments as compiled functions take them.
-
-    Parameters
-    ----------
-    segments : Segments
-        The orbit.
-    first : ndarray, shape (U,)
-        A stop at each of the places whose terms are wanted.
-
-    Returns
-    -------
-    Motion
-        The orbit, at these places.
-    """
+    """Segments as compiled functions take them, at the places of the stops with the indices `first`, shape (U,)."""
     made = Motion(
         start=segments.start,
         duration=segments.end - segments.start,

@@ -1,4 +1,4 @@
-"""The beam itself: material, cross-section and length, or its two resulting stiffness and mass numbers."""
+"""The beam: its length, and its material and cross-section, or its bending stiffness and mass per unit length."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem.schema import Part, Positive
 
 LEAST, MOST = 1e-100, 1e100
-"""Least and largest value, in SI units, of what follows from a beam's fields, so that squares of it are finite too."""
+"""Least and largest value, in SI units, of a quantity that follows from a beam's fields; its square is then finite."""
 _CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
 
 
@@ -135,7 +135,7 @@ class Beam(Part):
         return self
 
     def _out_of_range(self) -> Iterator[str]:
-        """What is wrong with the numbers that follow from the beam's fields, if anything."""
+        """The first quantity out of range that follows from the beam's fields, if any."""
         EI_from: tuple[str, ...] = ("bending_stiffness",)
         m_from: tuple[str, ...] = ("mass_per_length",)
         if self.section is not None:
@@ -202,7 +202,7 @@ class Beam(Part):
 
 
 def _power(value: float, exponent: int) -> float:
-    """A power; infinite where it is too large, instead of an OverflowError."""
+    """A power, infinite where it overflows."""
     try:
         return float(value**exponent)
     except OverflowError:

@@ -1,4 +1,4 @@
-"""How the beam is damped: not at all, by a ratio in each mode, or by a viscous force along its length."""
+"""Damping of the beam: none, a ratio in each mode, or a viscous force along its length."""
 
 from __future__ import annotations
 

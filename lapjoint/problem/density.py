@@ -16,12 +16,12 @@ from lapjoint.problem.schema import FloatArray
 
 @dataclass(frozen=True)
 class Density:
-    """S(f), with ``B`` breakpoints; nothing outside of them."""
+    """A density S(f) with breakpoints, and 0 outside of them."""
 
     frequency: tuple[float, ...]
-    """Of the breakpoints, Hz, positive and ascending; two at least."""
+    """Frequencies of the breakpoints, Hz, positive and ascending; two at least."""
     density: tuple[float, ...]
-    """There, square of a unit over Hz, positive."""
+    """Densities at the breakpoints, square of a unit over Hz, positive."""
 
     @property
     def lowest(self) -> float:
@@ -34,35 +34,16 @@ class Density:
         return self.frequency[-1]
 
     def at(self, f: FloatArray) -> FloatArray:
-        """The density at given frequencies.
-
-        Parameters
-        ----------
-        f : FloatArray, shape (m,)
-            Hz, 0 or more.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            Square of the unit over Hz; 0 outside of the breakpoints.
-        """
+        """The density at frequencies `f`, Hz, shape (m,): square of the unit over Hz, 0 outside of the breakpoints."""
         inside = (f >= self.lowest) & (f <= self.top)
         found = np.zeros(np.shape(f))
         found[inside] = np.exp(np.interp(np.log(f[inside]), np.log(self.frequency), np.log(self.density)))
         return found
 
     def moment(self, power: int) -> float:
-        """The integral of (2 pi f)^power S over all frequencies.
+        """The integral of (2 pi f)^power S over all frequencies, square of the unit over s^power, or infinite.
 
-        Parameters
-        ----------
-        power : int
-            0 for the variance, 2 for that of the rate of change, -2 for that of the integral over time.
-
-        Returns
-        -------
-        float
-            Square of the unit, over s^power; infinite where it is too large for a number.
+        `power` is 0 for the variance, 2 for that of the rate of change, -2 for that of the integral over time.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             f, s = np.array(self.frequency), np.log(self.density)

@@ -1,7 +1,7 @@
-"""The kinds of excitation: periodic, recorded or random motion of the base, and such or constant loads at points.
+"""The kinds of excitation: periodic, recorded or random motion of the base, and such loads, or constant ones, at
+points.
 
-Each says of which waves or samples it consists; `lapjoint.problem.forces` makes one list of all of them, which solvers
-read.
+Each kind gives its waves or samples; `lapjoint.problem.forces` makes one list of all of them, which solvers read.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -19,7 +19,7 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
 
 MOST_MULTIPLE = 10_000
-"""Largest multiple of a fundamental: the march over one period takes as many steps at least."""
+"""Largest multiple of a fundamental: a march over one period takes at least as many steps."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def _each_multiple_once(harmonics: tuple[Harmonic, ...]) -> tuple[Harmonic, ...]
     return harmonics
 
 
-_AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would count those that are in order only
+_AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would count only the valid ones
 _EachOnce = AfterValidator(_each_multiple_once)
 
 
@@ -85,20 +85,7 @@ class _PeriodicBaseMotion(Part):
         raise NotImplementedError
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
+        """y at times `t`, s, shape (m,), or its `derivative`-th t-derivative, 0 to 2: m, m/s or m/s2."""
         total = np.zeros(np.shape(t))
         for wave in self.waves:
             angle = wave.angular_frequency * t + wave.phase
@@ -142,6 +129,8 @@ class HarmonicsBaseMotion(_PeriodicBaseMotion):
 class StepLoad(Part):
     """A constant transverse force at a point, from t = 0 on."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     kind: Literal["step"] = "step"
     x: NonNegative
     """Position, m, within the beam."""
@@ -150,18 +139,15 @@ class StepLoad(Part):
 
     @property
     def constant(self) -> float:
-        """The part that is constant, N."""
+        """The constant part, N."""
         return self.force
-
-    @property
-    def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists: none."""
-        return ()
 
 
 class SineLoad(Part):
     """A transverse force at a point, force sin(angular_frequency t + phase), from t = 0 on."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["sine"] = "sine"
     x: NonNegative
     """Position, m, within the beam."""
@@ -173,19 +159,16 @@ class SineLoad(Part):
     """Phase, rad."""
 
     @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
-
-    @property
     def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists."""
+        """The waves of which it consists."""
         return (Wave(self.force, self.angular_frequency, self.phase),)
 
 
 class HarmonicsLoad(Part):
     """A transverse force at a point, sum of force sin(multiple angular_frequency t + phase), from t = 0 on."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["harmonics"] = "harmonics"
     x: NonNegative
     """Position, m, within the beam."""
@@ -195,18 +178,13 @@ class HarmonicsLoad(Part):
     """Tables of multiple, force and phase, each multiple once."""
 
     @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
-
-    @property
     def waves(self) -> tuple[Wave, ...]:
-        """The waves of which the rest consists."""
+        """The waves of which it consists."""
         return tuple(Wave(one.force, one.multiple * self.angular_frequency, one.phase) for one in self.harmonics)
 
 
 def _sine_by_default(part: Any) -> Any:
-    """A part as a file has it, with its kind: one without is a sine."""
+    """A part as a file has it, with its kind, which is a sine by default."""
     return {"kind": "sine", **part} if isinstance(part, Mapping) and "kind" not in part else part
 
 

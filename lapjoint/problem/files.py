@@ -1,7 +1,7 @@
 """Problems in and out as TOML, lossless both ways.
 
-What a file leaves out takes the default of the schema, so that defaults are not written; floats are written
-with the fewest digits that give the same number back, and an infinite stiffness as ``inf``.
+A key that a file leaves out has the default of the schema, and defaults are not written.  Floats are written with the
+fewest digits that give the number back, and an infinite stiffness as ``inf``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
 
-_ALWAYS = ("kind", "shape", "schema_version")  # what tells parts of a union and versions apart
+_ALWAYS = ("kind", "shape", "schema_version")  # keys that tell kinds and versions apart are written, default or not
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -66,23 +66,7 @@ def write_problem(problem: Problem, path: str | Path) -> None:
 
 
 def read_tables(path: str | Path) -> dict[str, Any]:
-    """The tables of a TOML file, not validated yet.
-
-    Parameters
-    ----------
-    path : path
-        The file, text in UTF-8.
-
-    Returns
-    -------
-    dict
-        Tables, lists, numbers and texts, nested as in the file.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is not TOML.
-    """
+    """The tables of a TOML file in UTF-8, not validated yet; an `InputError` if it cannot be read, or is not TOML."""
     raw = read_file(path)
     try:
         text = raw.decode("utf-8-sig")
@@ -95,25 +79,7 @@ def read_tables(path: str | Path) -> dict[str, Any]:
 
 
 def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
-    """The tables of a TOML text, not validated yet.
-
-    Parameters
-    ----------
-    text : str
-        What a file holds.
-    source : str
-        Name of the text; messages begin with it.
-
-    Returns
-    -------
-    dict
-        Tables, lists, numbers and texts, nested as in the text.
-
-    Raises
-    ------
-    InputError
-        If it is not valid TOML; the message gives the line.
-    """
+    """The tables of a TOML text, not validated yet; messages begin with `source`, and give the line of a fault."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -125,26 +91,9 @@ def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
 
 
 def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", folder: str | Path = ".") -> Problem:
-    """A validated problem from tables as TOML holds them.
+    """The validated problem in tables as TOML holds them; an `InputError` begins with `source`, a line for each fault.
 
-    Parameters
-    ----------
-    tables : mapping
-        Tables, lists, numbers and texts, nested as in a file.
-    source : str
-        Name of the tables; messages begin with it.
-    folder : path
-        Folder from which files of samples are looked for.
-
-    Returns
-    -------
-    Problem
-        What the tables leave out has the default of the schema.
-
-    Raises
-    ------
-    InputError
-        With one line for each fault.
+    Files of samples are looked for from `folder`.
     """
     try:
         return Problem.model_validate(tables, context={"folder": str(folder)})
@@ -153,44 +102,15 @@ def problem_from_tables(tables: Mapping[str, Any], source: str = "problem", fold
 
 
 def from_toml(text: str) -> Problem:
-    """The problem in a TOML text.
-
-    Parameters
-    ----------
-    text : str
-        What a file holds.
-
-    Returns
-    -------
-    Problem
-        It is validated.
-
-    Raises
-    ------
-    InputError
-        If it is not a valid problem; one line for each fault.
-    """
+    """The validated problem in a TOML text; an `InputError` has one line for each fault."""
     return problem_from_tables(tables_from_toml(text))
 
 
 def to_toml(problem: Problem, folder: str | Path | None = None, *, samples: bool = True) -> str:
-    """A problem as TOML, without what is None or the default.
+    """A problem as TOML, without what is None or the default; `from_toml` reads the same problem from it.
 
-    Samples that were read from a file stay there, and are named by their file and their digest.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is written.
-    folder : path, optional
-        Where the text will be: files of samples are named from there.  By default their names stay as they are.
-    samples : bool
-        Whether to write samples that have no file, and the digests of those that have one.
-
-    Returns
-    -------
-    str
-        A text from which `from_toml` gives the same problem.
+    Samples that were read from a file stay in the file, which is named relative to `folder` if it is given, with a
+    digest of the samples. Without `samples` the text has no digests, and no samples that have no file.
     """
     return tomli_w.dumps(_plain(problem_tables(problem), folder, samples))
 
@@ -217,18 +137,7 @@ def _plain(value: Any, folder: str | Path | None, samples: bool) -> Any:
 
 
 def problem_tables(problem: Problem) -> dict[str, Any]:
-    """A problem as the tables of its TOML file, without what is None or the default.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is written.
-
-    Returns
-    -------
-    dict
-        Tables, lists, numbers and texts, from which `problem_from_tables` gives the same problem.
-    """
+    """A problem as the tables of its TOML file, without what is None or the default; see `problem_from_tables`."""
     return _table(problem)
 
 
@@ -257,18 +166,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def problem_tables_json(problem: Problem) -> dict[str, Any]:
-    """A problem as tables for JSON, which has no infinite numbers: an infinite stiffness is the text ``inf``.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is written.
-
-    Returns
-    -------
-    dict
-        As from `problem_tables`, but for infinite numbers.
-    """
+    """A problem as tables for JSON, which has no infinite numbers: an infinite stiffness is the text ``inf``."""
 
     def plain(value: Any) -> Any:
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""What drives the beam, as one flat list of forces: all that a solver has to know of the kinds of excitation."""
+"""All that drives the beam, as flat lists of forces: solvers need not know the kinds of excitation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
 
 _WHOLE = 1e-12
-"""Relative: so much may the quotient of two frequencies miss a whole number, by the rounding of both."""
+"""Largest relative distance of a quotient of frequencies from a whole number that is rounding."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +28,7 @@ class ConstantForce:
     """N, positive upwards."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N.
-        """
+        """The force at times `t`, s, shape (m,), in N."""
         return np.full(np.shape(t), self.force)
 
 
@@ -57,18 +46,7 @@ class HarmonicForce:
     """rad."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N at a point, N/m along the beam.
-        """
+        """The force at times `t`, s, shape (m,), in N at a point, or N/m along the beam."""
         return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
 
 
@@ -78,9 +56,9 @@ class Forces:
 
     constant: tuple[ConstantForce, ...]
     harmonic: tuple[HarmonicForce, ...]
-    """Those of the base first, then those of the point loads; some may have no size."""
+    """Those of the base first, then those of the point loads; amplitudes may be 0."""
     fundamental: float | None = None
-    """Angular frequency of which all harmonic ones that have a size are whole multiples, rad/s; None without one."""
+    """Angular frequency of which all harmonic forces but 0 are whole multiples, rad/s; None if there is none."""
     sampled: tuple[SampledForce, ...] = ()
     """Those of the base first, then those of the point loads."""
 
@@ -91,25 +69,22 @@ class Forces:
 
     @cached_property
     def ramps(self) -> RampBlocks | None:
-        """The sampled forces with the knots of all, up to where the first of them ends; None without any."""
+        """The sampled forces at the knots of all of them; None if there are no sampled forces."""
         return RampBlocks(self.sampled) if self.sampled else None
 
     @property
     def fastest(self) -> float:
-        """The highest angular frequency of a harmonic force that has a size, rad/s; 0 where there is none."""
+        """The highest angular frequency of a harmonic force other than 0, rad/s; 0 if there is none."""
         return max((force.angular_frequency for force in self.harmonic if force.amplitude), default=0.0)
 
     @cached_property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change of a sampled force over its own, 1/s: the largest of them, or 0.
-
-        For a sine it is its angular frequency, for white noise up to a frequency f it is 2 pi f / sqrt(3).
-        """
+        """The largest `SampledForce.usual_rate`, 1/s; 0 if there are no sampled forces."""
         return max((force.usual_rate for force in self.sampled), default=0.0)
 
     @property
     def change_sign(self) -> bool:
-        """Whether all are the opposite half a period later: no constant ones, and no even multiples."""
+        """Whether all forces change sign in half a period: none is constant, and none an even multiple."""
         omega = self.fundamental
         if omega is None or self.constant:
             return False
@@ -117,35 +92,13 @@ class Forces:
 
 
 def common_fundamental(stated: Collection[float]) -> float | None:
-    """The lowest of some angular frequencies, if all are whole multiples of it, up to `MOST_MULTIPLE`.
-
-    Parameters
-    ----------
-    stated : collection of float
-        Angular frequencies, rad/s.
-
-    Returns
-    -------
-    float or None
-        rad/s; None where there is no frequency, or one that is no such multiple.
-    """
+    """The lowest of angular frequencies, rad/s, if all are its multiples up to `MOST_MULTIPLE`; else None."""
     lowest = min(stated, default=None)
     return lowest if lowest is not None and all(multiple_of(lowest, omega) for omega in stated) else None
 
 
 def multiple_of(fundamental: float, omega: float) -> int:
-    """Which whole multiple of one angular frequency another is.
-
-    Parameters
-    ----------
-    fundamental, omega : float
-        Both, rad/s.
-
-    Returns
-    -------
-    int
-        From 1 to `MOST_MULTIPLE`; 0 if it is none.
-    """
+    """Which whole multiple, up to `MOST_MULTIPLE`, the angular frequency `omega` is of `fundamental`; 0 if none."""
     quotient = omega / fundamental
     if not 0.5 < quotient < MOST_MULTIPLE + 0.5:
         return 0
@@ -154,43 +107,16 @@ def multiple_of(fundamental: float, omega: float) -> int:
 
 
 def inertial_load(mass_per_length: float, amplitude: float, angular_frequency: float) -> float:
-    """Amplitude of the force that every part of the beam feels relative to a base that moves as a sine.
-
-    Parameters
-    ----------
-    mass_per_length : float
-        m of the beam, kg/m.
-    amplitude, angular_frequency : float
-        Of the base, m and rad/s.
-
-    Returns
-    -------
-    float
-        m Y omega^2, N/m.
-    """
+    """m Y omega^2, N/m: amplitude of the force on each part of a beam, relative to a base that moves as a sine."""
     return mass_per_length * amplitude * angular_frequency**2
 
 
 def forces_of(
     mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
 ) -> Forces:
-    """The forces by which a moving base and point loads drive the beam.
+    """The forces by which a moving base and point loads drive the beam: relative to a base y(t) its parts feel -m y''.
 
-    Parameters
-    ----------
-    mass_per_length : float
-        m of the beam, kg/m: relative to a base y(t) every part of it feels the force -m y''.
-    base : BaseMotion, HarmonicsBaseMotion, RecordBaseMotion, RandomBaseMotion or None
-        The motion of the base.
-    loads : iterable of PointLoad
-        The point loads.
-    fundamental : float or None
-        Angular frequency of which all periodic parts are whole multiples, rad/s.
-
-    Returns
-    -------
-    Forces
-        Each wave of the base, each constant and each wave of a point load, and what is recorded or random of both.
+    All periodic parts are whole multiples of the angular frequency `fundamental`, rad/s; None where there is none.
     """
     constant, harmonic = [], []
     sampled: list[SampledForce] = []

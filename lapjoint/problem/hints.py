@@ -6,22 +6,20 @@ A hint never blocks: each value is allowed, and solved for as it stands.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.problem.damping import ModalDamping
-
-if TYPE_CHECKING:
-    from lapjoint.problem.beam import Material, Section
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.beam import Beam, Material, Section
+from lapjoint.problem.damping import Damping, ModalDamping
+from lapjoint.problem.forces import Forces
+from lapjoint.problem.supports_and_stops import Stop
 
 
 @dataclass(frozen=True)
 class _Usual:
-    """What values are usual of a quantity, and the units that slips of it are from."""
+    """The usual range of a quantity, and the units that are mistaken for its own."""
 
     unit: str
     low: float
@@ -47,36 +45,23 @@ DENSITY = _Usual("kg/m3", 10.0, 2.3e4, (("g/cm3", 1e3), ("t/mm3", 1e12), ("kg/mm
 LENGTH = _Usual("m", 1e-6, 500.0, (("mm", 1e-3), ("um", 1e-6)))
 """From cantilevers of micromechanics to bridges."""
 SLENDER = 0.5
-"""Depth of a section over the beam's length, above which the equation of a slender beam says little."""
+"""Depth of a section, over the beam's length, above which the theory of slender beams fails."""
 WIDE = 0.2
-"""Gap over the beam's length, above which no small displacement closes it."""
+"""Gap, over the beam's length, above which no small displacement closes it."""
 RATIO = 2.0
-"""Damping ratio from which on a per cent is likelier to be meant; one of 1 is critical."""
+"""Damping ratio from which on a percentage was probably meant; a ratio of 1 is critical."""
 FAST, SLOW = 1e4, 1e-6
-"""Excitation frequency over that of the slowest bending of a cantilever: beyond, the beam hardly answers, or follows
-at rest."""
+"""Excitation frequency, over a cantilever's lowest, above which the beam hardly responds, or below is static."""
 HARD, SOFT = 1e10, 1e-8
-"""Stiffness of a stop over EI / L^3: beyond, it is a rock or a feather to the beam."""
+"""Stiffness of a stop, over EI / L^3, above which it is a rock, and below which a feather, to the beam."""
 
 
-def hints(problem: Problem) -> tuple[str, ...]:
-    """What of a problem looks like a slip of unit.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-
-    Returns
-    -------
-    tuple of str
-        A line for each, with the field, its value, what is usual, and the unit that may have been meant.
-    """
-    return (*_of_beam(problem), *_of_stops(problem), *_of_damping(problem), *_of_excitation(problem))
+def hints(beam: Beam, stops: Sequence[Stop], damping: Damping, forces: Forces) -> tuple[str, ...]:
+    """A line for each value that looks like a slip of unit: field, value, usual range, and the unit perhaps meant."""
+    return (*_of_beam(beam), *_of_stops(stops, beam), *_of_damping(damping), *_of_excitation(forces, beam))
 
 
-def _of_beam(problem: Problem) -> Iterator[str]:
-    beam = problem.beam
+def _of_beam(beam: Beam) -> Iterator[str]:
     yield from LENGTH.hint("beam.length", beam.length)
     if beam.material is not None and beam.section is not None:
         yield from _of_material(beam.material)
@@ -94,9 +79,8 @@ def _of_section(section: Section, length: float) -> Iterator[str]:
         yield f"beam.section: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
 
 
-def _of_stops(problem: Problem) -> Iterator[str]:
-    beam = problem.beam
-    for i, stop in enumerate(problem.stops):
+def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:
+    for i, stop in enumerate(stops):
         if stop.gap > WIDE * beam.length:
             guess = "; were mm meant? " + _thousandth(stop.gap) if stop.gap / 1000 <= WIDE * beam.length else ""
             yield f"stops[{i}].gap = {stop.gap:g} m: the beam is {beam.length:g} m long{guess}"
@@ -108,17 +92,16 @@ def _of_stops(problem: Problem) -> Iterator[str]:
             )
 
 
-def _of_damping(problem: Problem) -> Iterator[str]:
-    damping = problem.damping
+def _of_damping(damping: Damping) -> Iterator[str]:
     largest = float(np.max(damping.ratio)) if isinstance(damping, ModalDamping) else 0.0
     if largest >= RATIO:
         meant = f"was {largest:g} % meant? Then it is {largest / 100:g}"
         yield f"damping.ratio = {largest:g}: 1 is critical damping; {meant}"
 
 
-def _of_excitation(problem: Problem) -> Iterator[str]:
-    bending = problem.beam.slowest_bending
-    for omega in sorted({force.angular_frequency for force in problem.forces.harmonic if force.amplitude}):
+def _of_excitation(forces: Forces, beam: Beam) -> Iterator[str]:
+    bending = beam.slowest_bending
+    for omega in sorted({force.angular_frequency for force in forces.harmonic if force.amplitude}):
         if not SLOW <= omega / bending <= FAST:
             yield (
                 f"angular_frequency = {omega:g} rad/s ({omega / (2 * math.pi):.3g} Hz): a cantilever like this beam "

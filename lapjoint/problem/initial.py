@@ -50,37 +50,11 @@ class PolynomialShape(Part):
     """z_t(x, 0) = sum of velocity[n] x^n, m/s."""
 
     def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0), the initial displacement, or a derivative of it in x.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (...)
-            Positions, m, in an array of any shape.
-        derivative : int
-            Order of the x-derivative.
-
-        Returns
-        -------
-        FloatArray, shape (...)
-            m over m^derivative, in an array of the shape of `x`.
-        """
+        """z(x, 0) or an x-derivative of it. See `AtRest.displacement_at`."""
         return _polynomial(self.displacement, x, derivative)
 
     def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0), the initial velocity, or a derivative of it in x.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (...)
-            Positions, m, in an array of any shape.
-        derivative : int
-            Order of the x-derivative.
-
-        Returns
-        -------
-        FloatArray, shape (...)
-            m/s over m^derivative, in an array of the shape of `x`.
-        """
+        """z_t(x, 0), m/s, or an x-derivative of it. See `AtRest.displacement_at`."""
         return _polynomial(self.velocity, x, derivative)
 
 
@@ -106,37 +80,11 @@ class SampledShape(Part):
         return self
 
     def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z(x, 0), the initial displacement, or a derivative of it in x.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (...)
-            Positions, m, in an array of any shape.
-        derivative : int
-            Order of the x-derivative.
-
-        Returns
-        -------
-        FloatArray, shape (...)
-            m over m^derivative, in an array of the shape of `x`.
-        """
+        """z(x, 0) or an x-derivative of it. See `AtRest.displacement_at`."""
         return _spline(self.x, self.displacement, x, derivative)
 
     def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """z_t(x, 0), the initial velocity, or a derivative of it in x.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (...)
-            Positions, m, in an array of any shape.
-        derivative : int
-            Order of the x-derivative.
-
-        Returns
-        -------
-        FloatArray, shape (...)
-            m/s over m^derivative, in an array of the shape of `x`.
-        """
+        """z_t(x, 0), m/s, or an x-derivative of it. See `AtRest.displacement_at`."""
         return _spline(self.x, self.velocity, x, derivative)
 
 

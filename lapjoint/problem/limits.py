@@ -1,101 +1,62 @@
-"""Which numbers a problem may hold, so that double precision holds what follows from them.
+"""Limits on the numbers of a problem, within which double precision holds all that follows from them.
 
-Every quantity that a problem states, or that follows from what it states, is at most 1e100 in SI units, so that its
-square is finite; times between samples, and squares of frequencies, are at least 1e-100, as what follows from the beam.
-Stiffness and damping have limits beside the beam's own, and two supports that are not at one place are apart by more
-than rounding.
+Every quantity that a problem states, or that follows from it, is at most 1e100 in SI units, so that its square is
+finite. Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness and
+damping have limits relative to the beam, and two supports that are not at one place are apart by more than rounding.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.problem.beam import LEAST, MOST
-from lapjoint.problem.damping import ModalDamping, ViscousDamping
+from lapjoint.problem.beam import LEAST, MOST, Beam
+from lapjoint.problem.damping import Damping, ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtRest
+from lapjoint.problem.initial import AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.structure import Structure
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
-On softer ones the slowest mode takes some 1e8 times as long as a bending mode, and its motion in a double number has
-too few digits left; stiffer ones are fixed to rounding."""
+On a softer spring the slowest mode takes some 1e8 times as long as a bending mode, and too few digits are left for its
+motion; a stiffer spring is fixed to rounding."""
 _STIFFEST = 1e13
-"""Largest stiffness of a stop over EI / L^3: how far a stiffer one is pressed has too few digits left."""
+"""Largest stiffness of a stop over EI / L^3: too few digits are left for the compression of a stiffer one."""
 _MOST_DAMPED = 1e7
-"""Largest damping ratio: a mode's two rates of decay then differ by 4e14, of the 1e16 that a double number resolves."""
+"""Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
 _NEAREST = 1e-12
-"""Distance over the length of the beam up to which two places may be one, rounded."""
+"""Distance, over the length of the beam, within which two places may be one, rounded."""
 _MOST_PHASE = 1e8
-"""Largest phase, rad: half of the digits of a larger one are those of its whole turns."""
+"""Largest phase, rad: whole turns take half of the digits of a larger one."""
 
 
-def faults_of_size(problem: Problem) -> Iterator[str]:
-    """What is too large or too small in a problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any, whose parts are valid each for itself.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
-    for i, stop in enumerate(problem.stops):
+def faults_of_size(
+    joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad], initial: InitialState
+) -> Iterator[str]:
+    """A line for each number of a problem out of its limits; its parts are valid, those of the excitation by path."""
+    for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
-    yield from _of_places(problem)
-    yield from _of_stiffness(problem)
-    yield from _of_damping(problem)
-    yield from faults_of_excitation(problem)
-    yield from _of_initial_state(problem)
+    yield from _of_places(joint, excitation)
+    yield from _of_stiffness(joint)
+    yield from _of_damping(joint.damping, joint.beam)
+    yield from faults_of_excitation(excitation)
+    yield from _of_initial_state(initial, joint.beam.length)
 
 
-def faults_of_excitation(problem: Problem) -> Iterator[str]:
-    """What is too large or too small in the excitation of a problem.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
-    if problem.base_motion is not None:
-        yield from faults_of_part("base_motion", problem.base_motion)
-    for i, load in enumerate(problem.point_loads):
-        yield from faults_of_part(f"point_loads[{i}]", load)
+def faults_of_excitation(excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
+    """A line for each number of an excitation that is too large or too small; its parts are given by their paths."""
+    for path, part in excitation.items():
+        yield from faults_of_part(path, part)
 
 
 def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
-    """What is too large or too small in a base motion or a point load.
-
-    Parameters
-    ----------
-    path : str
-        Where it is in the problem.
-    part : BaseMotion, PointLoad or another of their kinds
-        The part.
-
-    Yields
-    ------
-    str
-        A line for each fault.
-    """
+    """A line for each number of a base motion or a point load that is too large or too small."""
     if isinstance(part, Record):
         yield from _of_record(path, part)
     if isinstance(part, StepLoad):
@@ -115,27 +76,27 @@ def faults_of_part(path: str, part: AnyBaseMotion | PointLoad) -> Iterator[str]:
 
 
 def _stated(path: str, value: float, unit: str) -> Iterator[str]:
-    """What is wrong with a number of a file."""
+    """A fault of a number of the file, if it is too large."""
     if not abs(value) <= MOST:
         yield f"{path} = {value:g}: must be at most {MOST:g} {unit}, up or down"
 
 
 def _following(path: str, name: str, value: float, source: str, least: float = 0.0) -> str:
-    """What is wrong with a number that follows from others."""
+    """The fault of a quantity out of range that follows from numbers of the file."""
     allowed = f"between {least:g} and {MOST:g}" if least else f"at most {MOST:g}"
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(problem: Problem) -> Iterator[str]:
-    """Parts that are all but at the root, and supports that all but coincide: whether these clamp is unknown."""
-    least, parts = _NEAREST * problem.beam.length, {}
-    for group in ("supports", "stops", "point_loads"):
-        parts[group] = {f"{group}[{i}].x": part.x for i, part in enumerate(getattr(problem, group))}
-        for path, x in parts[group].items():
-            if 0 < x <= least:
-                yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
-    in_order = sorted(parts["supports"].items(), key=lambda item: item[1])
-    for (one, x), (other, y) in pairwise(in_order):
+def _of_places(joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
+    """Parts that are at the root but for rounding, and supports that coincide but for rounding: do these clamp?"""
+    least = _NEAREST * joint.beam.length
+    supports = {f"supports[{i}].x": support.x for i, support in enumerate(joint.supports)}
+    stops = {f"stops[{i}].x": stop.x for i, stop in enumerate(joint.stops)}
+    loads = {f"{path}.x": load.x for path, load in excitation.items() if hasattr(load, "x")}
+    for path, x in (supports | stops | loads).items():
+        if 0 < x <= least:
+            yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
+    for (one, x), (other, y) in pairwise(sorted(supports.items(), key=lambda item: item[1])):
         if 0 < y - x <= least and x > least:
             yield (
                 f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
@@ -143,11 +104,11 @@ def _of_places(problem: Problem) -> Iterator[str]:
             )
 
 
-def _of_stiffness(problem: Problem) -> Iterator[str]:
-    """Springs so soft or so stiff, beside the beam, that double precision does not hold what they do."""
-    L, EI = problem.beam.length, problem.beam.EI
+def _of_stiffness(joint: Structure) -> Iterator[str]:
+    """Springs too soft or too stiff, relative to the beam, for double precision."""
+    L, EI = joint.beam.length, joint.beam.EI
     units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
-    for i, support in enumerate(problem.supports):
+    for i, support in enumerate(joint.supports):
         for name, (unit, text) in units.items():
             spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
             if 0 < spring < least or most < spring < math.inf:
@@ -156,7 +117,7 @@ def _of_stiffness(problem: Problem) -> Iterator[str]:
                     f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
                 )
     unit, text = units["translational"]
-    for i, stop in enumerate(problem.stops):
+    for i, stop in enumerate(joint.stops):
         if stop.stiffness > _STIFFEST * unit:
             yield (
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
@@ -164,9 +125,8 @@ def _of_stiffness(problem: Problem) -> Iterator[str]:
             )
 
 
-def _of_damping(problem: Problem) -> Iterator[str]:
-    """Damping ratios, or a coefficient, beside which double precision does not hold the slower of two rates."""
-    damping, beam = problem.damping, problem.beam
+def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
+    """Damping too large for double precision to hold the slower of two decay rates."""
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
         for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
@@ -183,7 +143,7 @@ def _of_damping(problem: Problem) -> Iterator[str]:
 
 
 def _of_record(path: str, record: Record) -> Iterator[str]:
-    """Times and samples, and the motion of a base that follows from them."""
+    """Times, samples, or the base motion that follows from them, out of range."""
     with np.errstate(all="ignore"):
         between = np.array([1 / record.rate]) if record.rate is not None else np.diff(record.time)
         shortest, values = float(between.min()), record.si_values
@@ -202,12 +162,11 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
                     yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
 
 
-def _of_initial_state(problem: Problem) -> Iterator[str]:
-    """Shapes that are not finite, or so large or small that squares of them are not."""
-    initial = problem.initial
+def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
+    """Initial shapes that are not finite, or too large."""
     if isinstance(initial, AtRest):
         return
-    grid = np.linspace(0.0, problem.beam.length, 101)
+    grid = np.linspace(0.0, length, 101)
     with np.errstate(all="ignore"):
         for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
             for order, word in enumerate(("largest value", "largest slope", "largest second derivative")):
@@ -218,5 +177,5 @@ def _of_initial_state(problem: Problem) -> Iterator[str]:
 
 
 def _largest(values: FloatArray) -> float:
-    """The largest modulus; NaN if one is that."""
+    """The largest modulus; NaN if a value is NaN."""
     return float(np.max(np.abs(values), initial=0.0))

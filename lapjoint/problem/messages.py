@@ -1,4 +1,4 @@
-"""What is wrong with a problem, said in the words of its file: one line for each fault.
+"""The faults of a problem in the words of its file, one line for each.
 
 A line names the field, shows its value and says what is allowed, as in
 ``stops[1].gap = "wide": must be a number``.
@@ -18,29 +18,14 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 LONGEST_VALUE = 60
-"""Characters of a value that a message shows, at most, so that it fits into a line."""
+"""Most characters of a value in a message, so that the message fits into a line."""
 LONGEST_PATH = 200
-"""Characters of a path or of an argument that a message shows, at most."""
+"""Most characters of a path or an argument in a message."""
 _SEQUENCES = (list, tuple)
 
 
 def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
-    """All faults that a validation found, one a line.
-
-    Parameters
-    ----------
-    error : pydantic.ValidationError
-        What validation of `data` against `model` raised.
-    data : mapping
-        The tables as read from a file.
-    model : type
-        The schema, for the names of the keys that are allowed.
-
-    Returns
-    -------
-    str
-        Lines without an end of line after the last; no line twice.
-    """
+    """All faults that validation of `data` against `model` found, one a line, no line twice."""
     lines: list[str] = []
     for fault in error.errors(include_url=False):
         lines += [line for line in _lines(fault, data, model) if line not in lines]
@@ -48,23 +33,9 @@ def explain(error: ValidationError, data: Any, model: type[BaseModel]) -> str:
 
 
 def in_sentences(error: ValidationError, data: Any, model: type[BaseModel], source: str) -> str:
-    """All faults that a validation found, for a message.
+    """All faults that validation of `data` against `model` found, for a message about `source`, a file or a part.
 
-    Parameters
-    ----------
-    error : pydantic.ValidationError
-        What validation of `data` against `model` raised.
-    data : mapping
-        The tables as read from a file, or the arguments.
-    model : type
-        The schema, for the names of the keys that are allowed.
-    source : str
-        Whose faults they are: the file, or the name of the part.
-
-    Returns
-    -------
-    str
-        The source and the fault in a line, or how many there are and a line for each.
+    One fault stands in one line with its source; several stand in a line each, after one that counts them.
     """
     faults = explain(error, data, model).split("\n")
     if len(faults) == 1:
@@ -73,18 +44,7 @@ def in_sentences(error: ValidationError, data: Any, model: type[BaseModel], sour
 
 
 def shown(value: Any) -> str:
-    """A value as its file would write it, shortened.
-
-    Parameters
-    ----------
-    value : object
-        A number, text, list or table.
-
-    Returns
-    -------
-    str
-        At most `LONGEST_VALUE` characters; of a table only the keys.
-    """
+    """A value as its file would write it, in at most `LONGEST_VALUE` characters; of a table only the keys."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float) and not math.isfinite(value):
@@ -104,75 +64,26 @@ def shown(value: Any) -> str:
 
 
 def encodable(text: str) -> str:
-    """Text for a message that passes through what holds UTF-8 only, as pydantic does.
-
-    Parameters
-    ----------
-    text : str
-        Any text, such as a path that is not in UTF-8.
-
-    Returns
-    -------
-    str
-        The text, in which half of a surrogate pair is written by its number.
-    """
+    """Text that UTF-8 can hold, as pydantic's messages must: half of a surrogate pair is written by its number."""
     return text.encode(errors="backslashreplace").decode()
 
 
 def shortened(text: str, most: int = LONGEST_PATH) -> str:
-    """Text without its end, where it is too long for a message.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-    most : int
-        Largest number of characters.
-
-    Returns
-    -------
-    str
-        The text, or its beginning and three dots.
-    """
+    """A text of at most `most` characters; three dots stand for the end of a longer one."""
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def closest(name: str, allowed: Sequence[str]) -> str:
-    """A hint at the names that are allowed.
-
-    Parameters
-    ----------
-    name : str
-        What was given.
-    allowed : sequence of str
-        All names that are allowed.
-
-    Returns
-    -------
-    str
-        The closest name if one resembles what was given, then all.
-    """
+    """The allowed name that is closest to a given one, if one resembles it, and then all that are allowed."""
     near = difflib.get_close_matches(name, allowed, n=1)
     return (f"did you mean {near[0]}? " if near else "") + f"allowed: {', '.join(allowed)}"
 
 
 def field_path(loc: Sequence[int | str], data: Any) -> str:
-    """The path of a field as a person writes it, ``stops[1].gap``.
+    """The path of a field of `data` as a person writes it, ``stops[1].gap``; empty for the whole of the data.
 
-    A validator's location also holds the kind of a part (``rectangle``), which is no key, though a key may be called
-    like it (``harmonics``); that, and what is neither a key of the data nor the last element, is left out.
-
-    Parameters
-    ----------
-    loc : sequence of int or str
-        Location of the field, as the validator gives it.
-    data : mapping
-        What was validated.
-
-    Returns
-    -------
-    str
-        The path; empty for the whole of the data.
+    A validator's location `loc` also holds the kind of a part (``rectangle``), though a key may have the same name
+    (``harmonics``).  The kind is left out, and so are elements that are no keys of the data, except the last.
     """
     path, here, told = "", data, False
     for i, key in enumerate(loc):

@@ -13,28 +13,16 @@ from lapjoint.problem.messages import shortened
 LONGEST_INDEX = 18
 """Largest number of digits of an index: no list has more elements, and Python refuses to read some thousand digits."""
 _PATHS = 256
-"""Number of paths whose keys are kept: those of one campaign."""
+"""Number of paths whose keys are cached: those of one campaign."""
 DEEPEST = 20
 """Largest number of keys of a path; no field of a problem lies deeper than five."""
 
 
 def override(tables: dict[str, Any], assignment: str) -> None:
-    """Set one value of a problem's tables, in place, as in ``base_motion.angular_frequency=820``.
+    """Set one value of a problem's tables, in place, by an assignment such as ``base_motion.angular_frequency=820``.
 
-    An element of a list is given by number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by name
-    (``stops.P2.gap``), and all of them by ``*``.  The value is TOML; a bare word is text.
-
-    Parameters
-    ----------
-    tables : dict
-        The tables of a problem; they are changed.
-    assignment : str
-        Path and value, ``path=value``; numbers in SI units.
-
-    Raises
-    ------
-    InputError
-        If the assignment cannot be read, or names an element that is not there.
+    An element of a list is given by its number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by its name
+    (``stops.P2.gap``), and all elements by ``*``. The value is TOML, in SI units; a bare word is text.
     """
     path, equals, value = assignment.partition("=")
     source = f"--set {shortened(assignment)}"
@@ -44,24 +32,7 @@ def override(tables: dict[str, Any], assignment: str) -> None:
 
 
 def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
-    """Set the value at a path of a problem's tables, in place.
-
-    Parameters
-    ----------
-    tables : dict
-        The tables of a problem; they are changed.
-    path : str
-        As in `override`.
-    value : object
-        As a TOML file holds it: a number, text, list or table; numbers in SI units.
-    source : str
-        What asks for this; messages begin with it.
-
-    Raises
-    ------
-    InputError
-        If the path names an element that is not there.
-    """
+    """Set the value at a path, as `override` takes it, in place; messages begin with `source`."""
     keys = path_keys(path)
     if len(keys) > DEEPEST:
         raise InputError(f"{source}: is {len(keys)} keys deep; a problem is at most {DEEPEST}")
@@ -70,34 +41,12 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
 
 @lru_cache(maxsize=_PATHS)
 def path_keys(path: str) -> tuple[str, ...]:
-    """The keys of a path, from the outermost to the innermost.
-
-    Parameters
-    ----------
-    path : str
-        As ``stops[0].gap`` or ``stops.0.gap``.
-
-    Returns
-    -------
-    tuple of str
-        As ``stops``, ``0``, ``gap``.
-    """
+    """The keys of a path, from the outermost to the innermost: ``stops``, ``0``, ``gap`` of ``stops[0].gap``."""
     return tuple(key for key in re.split(r"[.\[\]]+", path.strip()) if key)
 
 
 def toml_value(text: str) -> Any:
-    """A value given as TOML; what is no TOML value is text.
-
-    Parameters
-    ----------
-    text : str
-        As ``820``, ``[0.01, 0.02]``, ``true`` or ``top``.
-
-    Returns
-    -------
-    object
-        A number, truth value, text, list or table.
-    """
+    """The value of a TOML expression such as ``820`` or ``[0.01, 0.02]``; what is no TOML value is text."""
     try:
         tables = tomllib.loads(f"value = {text.strip()}")
     except (ValueError, RecursionError):
@@ -106,7 +55,7 @@ def toml_value(text: str) -> Any:
 
 
 def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
-    """Set the value in all parts that the keys lead to."""
+    """Set the value in all parts to which the keys lead."""
     parts = [here]
     for key in keys[:-1]:
         parts = [below for part in parts for below in _below(part, key, source)]
@@ -119,7 +68,7 @@ def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
 
 
 def _below(part: Any, key: str, source: str) -> list[Any]:
-    """The parts that a key leads to; of a table, one is made where there is none."""
+    """The parts to which a key leads; a table gets one if it has none."""
     if isinstance(part, dict):
         return [part.setdefault(key, {})]
     return [part[index] for index in _indices(part, key, source)]

@@ -1,4 +1,4 @@
-"""A plane of starts: two coordinates, each the displacement or the velocity at a place, by which a state is moved."""
+"""A plane of starts: two coordinates in which a section point is moved, each a displacement or velocity at a place."""
 
 from __future__ import annotations
 
@@ -31,30 +31,14 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Plane:
-    """Two coordinates by which a section point is moved."""
+    """Two coordinates in which a section point is moved."""
 
     first: Coordinate
     second: Coordinate
 
     @staticmethod
     def from_text(text: str) -> Plane:
-        """A plane from its text.
-
-        Parameters
-        ----------
-        text : str
-            Two coordinates with a comma between them, ``z(2.5),v(2.5)``.
-
-        Returns
-        -------
-        Plane
-            The plane.
-
-        Raises
-        ------
-        InputError
-            If the text is no such thing, or both coordinates are the same.
-        """
+        """The plane of two coordinates with a comma between them, as in ``z(2.5),v(2.5)``."""
         parts = text.split(",") if isinstance(text, str) else []
         found = [_COORDINATE.fullmatch(part) for part in parts]
         try:
@@ -79,18 +63,7 @@ class Plane:
         return self.first, self.second
 
     def check(self, problem: Problem) -> None:
-        """Refuse a plane that a problem does not have.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem.
-
-        Raises
-        ------
-        InputError
-            If a place is not on the beam.
-        """
+        """Refuse a plane with a place that is not on the beam of a problem."""
         length = problem.beam.length
         for one in self.coordinates:
             if not 0 <= one.place <= length:

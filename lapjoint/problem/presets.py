@@ -11,22 +11,11 @@ from lapjoint.problem.problem import Problem
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 PAPER_DENSITY = 7890.0  # kg/m3, Tables 3 and 6
-TABLE_4_DENSITY = 7830.0  # kg/m3, what Table 4 was computed with: found by recomputing it
+TABLE_4_DENSITY = 7830.0  # kg/m3, with which Table 4 was computed: found by recomputing it
 
 
 def clamp(x: float = 0.0) -> Support:
-    """A clamped point: both springs are infinite.
-
-    Parameters
-    ----------
-    x : float
-        Position, m.
-
-    Returns
-    -------
-    Support
-        It holds displacement and slope at zero.
-    """
+    """A clamped point at `x`, m: both springs are infinite, and hold displacement and slope at zero."""
     return Support(x=x, translational=math.inf, torsional=math.inf)
 
 
@@ -99,3 +88,7 @@ def sdnl104() -> Problem:
         stops=(Stop(name="tip", x=1.0, side="bottom", gap=1e-4, stiffness=1e8),),
         point_loads=(StepLoad(x=1.0, force=-1000.0),),
     )
+
+
+PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
+"""The problems that the command line takes as ``preset:NAME``, by their names."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Literal, Self
 
@@ -14,8 +14,9 @@ from pydantic import model_validator
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
+from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad
 from lapjoint.problem.forces import Forces, common_fundamental, forces_of
+from lapjoint.problem.hints import hints
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.messages import shown
@@ -25,13 +26,14 @@ from lapjoint.problem.schema import Part
 from lapjoint.problem.structure import Structure, structure_of
 from lapjoint.problem.supports_and_stops import Stop, Support
 
-_ROUNDINGS = 1e-12  # relative: so much may a duration exceed that of a record, by the rounding of both
+_ROUNDINGS = 1e-12
+"""Largest relative excess of a duration over that of a record that is rounding."""
 _SAMPLES_A_PERIOD = 10
-"""Of the slowest bending: with fewer, straight lines between samples miss its acceleration by some percent."""
+"""Samples per period of the slowest bending below which straight lines between them miss accelerations by percents."""
 
 
 SCHEMA_VERSION: Literal[1] = 1
-"""It is raised whenever an older reader would misread a file, or refuse what an older one took."""
+"""Version of the keys of a file, raised whenever an older reader would misread a newer file, or refuse it."""
 
 
 class Problem(Part):
@@ -53,7 +55,9 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *faults_of_size(self)]
+        joint = Structure(self.beam, self.supports, self.stops, self.damping)
+        of_size = faults_of_size(joint, self._excitation, self.initial)
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -68,25 +72,22 @@ class Problem(Part):
 
     @cached_property
     def structure(self) -> Structure:
-        """What it is without its excitation and its start; copies `with_excitation` have the same."""
+        """The joint without its excitation and its start; copies `with_excitation` share it."""
         return structure_of(self.beam, self.supports, self.stops, self.damping)
 
     @cached_property
     def forces(self) -> Forces:
-        """What drives the beam, whatever its kind: all that a solver has to know of it."""
-        fundamental = common_fundamental(_angular_frequencies(self).values())
+        """All that drives the beam, as lists of forces that solvers read."""
+        fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
         return forces_of(self.beam.m, self.base_motion, self.point_loads, fundamental)
 
     @property
     def excitation_frequency(self) -> float | None:
-        """The fundamental of all periodic excitation, rad/s: the lowest angular frequency that a part of it states.
-
-        All others are whole multiples of it, or there is none.
-        """
+        """The lowest frequency that a periodic part states, rad/s, if all others are its multiples; else None."""
         return self.forces.fundamental
 
     def require_excitation_frequency(self, purpose: str) -> float:
-        """The fundamental of all periodic excitation, for what cannot be done without.
+        """The fundamental of all periodic excitation; an `InputError` if there is none.
 
         Parameters
         ----------
@@ -110,7 +111,7 @@ class Problem(Part):
         if self.random:
             path = next(iter(self.random))
             raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
-        found = _angular_frequencies(self)
+        found = _angular_frequencies(self._excitation)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
             there += ' (kind = "harmonics" may state a lower one)'
@@ -121,23 +122,7 @@ class Problem(Part):
         )
 
     def require_excitation_period(self, purpose: str) -> float:
-        """The period of all periodic excitation, for what cannot be done without.
-
-        Parameters
-        ----------
-        purpose : str
-            What needs it, as "steady state"; the message begins with it.
-
-        Returns
-        -------
-        float
-            T = 2 pi / omega, s.
-
-        Raises
-        ------
-        InputError
-            If there is no periodic excitation, or no fundamental of all of it; the message says which frequencies.
-        """
+        """The period T = 2 pi / omega of all periodic excitation, s. See `require_excitation_frequency`."""
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
     def require_position(self, x: float) -> float:
@@ -164,50 +149,31 @@ class Problem(Part):
 
     @property
     def hints(self) -> tuple[str, ...]:
-        """What looks like a slip of unit, a line for each; see `lapjoint.problem.hints`."""
-        from lapjoint.problem.hints import hints
+        """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
+        return hints(self.beam, self.stops, self.damping, self.forces)
 
-        return hints(self)
+    @property
+    def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
+        """The base motion and the point loads, by their paths."""
+        base = {} if self.base_motion is None else {"base_motion": self.base_motion}
+        return base | {f"point_loads[{i}]": load for i, load in enumerate(self.point_loads)}
 
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
-        found: dict[str, RecordBaseMotion | RecordLoad] = {}
-        if isinstance(self.base_motion, RecordBaseMotion):
-            found["base_motion"] = self.base_motion
-        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RecordLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
 
     @property
     def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
         """All random excitation, by its path."""
-        found: dict[str, RandomBaseMotion | RandomLoad] = {}
-        if isinstance(self.base_motion, RandomBaseMotion):
-            found["base_motion"] = self.base_motion
-        return found | {f"point_loads[{i}]": it for i, it in enumerate(self.point_loads) if isinstance(it, RandomLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
-        """The same problem with another realisation of all that is random.
-
-        Parameters
-        ----------
-        seed : int
-            The seed of every random part, 0 or more; they are independent of each other.
-
-        Returns
-        -------
-        Problem
-            A validated copy.
-
-        Raises
-        ------
-        pydantic.ValidationError
-            If the seed is not possible.
-        """
-
+        """The problem with one seed, 0 or more, in all random parts, which are independent. See `with_seeds`."""
         return self.with_seeds(lambda own: seed)
 
     def with_seeds(self, seed_of: Callable[[int], int]) -> Problem:
-        """The same problem with another realisation of each part that is random.
+        """The problem with another realisation of each random part.
 
         Parameters
         ----------
@@ -238,11 +204,11 @@ class Problem(Part):
 
     @property
     def longest(self) -> float:
-        """Until when the motion can be simulated, s: the end of the shortest record, or infinite."""
+        """Longest duration that can be simulated, s: that of the shortest record, or infinite."""
         return min((record.duration for record in self.records.values()), default=math.inf)
 
     def check_duration(self, duration: float) -> None:
-        """Refuse to simulate what is not known, or is no time.
+        """Refuse a duration that is no time, or ends after a record.
 
         Parameters
         ----------
@@ -284,7 +250,7 @@ class Problem(Part):
         return Problem(**{name: getattr(self, name) for name in Problem.model_fields} | changes)
 
     def with_excitation(self, **changes: Any) -> Problem:
-        """A copy with another base motion, or other point loads; what else this problem has is not validated again.
+        """A copy with another base motion, or other point loads; the other parts are not validated again.
 
         Parameters
         ----------
@@ -294,7 +260,7 @@ class Problem(Part):
         Returns
         -------
         Problem
-            The same as from `replace`; this problem stays as it is.
+            The copy that `replace` gives, in less time.
 
         Raises
         ------
@@ -304,13 +270,13 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made)):
+        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made._excitation)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
 
     def with_base_numbers(self, **numbers: float) -> Problem:
-        """A copy whose base moves as a sine with some other numbers; nothing else is looked at again.
+        """A copy with other numbers of a sinusoidal base motion; nothing else is validated again.
 
         Parameters
         ----------
@@ -320,7 +286,7 @@ class Problem(Part):
         Returns
         -------
         Problem
-            The same as from `with_excitation`; this problem stays as it is.
+            The copy that `with_excitation` gives, in less time.
 
         Raises
         ------
@@ -336,27 +302,19 @@ class Problem(Part):
 
     def _driven_by(self, **parts: Any) -> Problem:
         """A copy with other parts of its excitation, which are valid."""
-        _ = self.structure  # found once, for all copies
+        _ = self.structure  # made once, for all copies
         made = self.model_copy(update=parts)
-        vars(made).pop("forces", None)  # those of this problem
+        vars(made).pop("forces", None)  # cached forces are those of this problem
         return made
 
 
-def _angular_frequencies(problem: Problem) -> dict[str, float]:
-    """Angular frequencies, rad/s, of base motion and periodic loads that are not zero, by their paths."""
-    base, loads = problem.base_motion, problem.point_loads
-    found: dict[str, float] = {}
-    if not (base is None or isinstance(base, Record | Random)) and _moves(base.waves):
-        found["base_motion"] = base.angular_frequency
-    for i, load in enumerate(loads):
-        if not isinstance(load, StepLoad | Record | Random) and _moves(load.waves):
-            found[f"point_loads[{i}]"] = load.angular_frequency
-    return found
-
-
-def _moves(waves: tuple[Wave, ...]) -> bool:
-    """Whether one of them has a size."""
-    return any(wave.amplitude for wave in waves)
+def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict[str, float]:
+    """Angular frequencies, rad/s, of the periodic parts of an excitation that are not zero, by their paths."""
+    return {
+        path: part.angular_frequency
+        for path, part in parts.items()
+        if not isinstance(part, StepLoad | Record | Random) and any(wave.amplitude for wave in part.waves)
+    }
 
 
 def _outside_the_beam(
@@ -377,7 +335,7 @@ def _names_used_twice(problem: Problem) -> Iterator[str]:
 
 
 def _warn_of_excitation(problem: Problem) -> None:
-    """Warn of what is possible, and seldom meant."""
+    """Warn of excitation that is possible, but seldom meant."""
     for line in _too_slow(problem):
         warnings.warn(line, RecordWarning, stacklevel=3)
     for line in _too_low(problem):
@@ -385,7 +343,7 @@ def _warn_of_excitation(problem: Problem) -> None:
 
 
 def _too_slow(problem: Problem) -> Iterator[str]:
-    """Records with few samples in a period of the slowest bending, that of a cantilever."""
+    """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
         slowest = problem.beam.slowest_bending / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
@@ -420,7 +378,7 @@ def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
     grid = np.linspace(0.0, problem.beam.length, 101)
     for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
         for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
-            # A spline of a callable meets a fixed support to its interpolation error only.
+            # A spline through a callable's samples meets a fixed support only within its interpolation error.
             allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
             for i, support in enumerate(problem.supports):
                 value = float(shape(np.array(support.x), derivative))

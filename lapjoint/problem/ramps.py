@@ -1,4 +1,4 @@
-"""Forces that are linear between knots, block by block, so that endless ones need no more memory than short ones."""
+"""Forces that are linear between knots, in blocks, so that endless ones need no more memory than short ones."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from lapjoint.problem.realisation import Realisation
 from lapjoint.problem.schema import FloatArray, IntArray
 
 KNOTS = 4096
-"""Intervals of the fastest random force in a block: 0.1 MB."""
-_EVEN = 1e-9  # of the time between knots, without unit: by so little it may differ and still count as the same
-_KEPT = 4  # blocks: a motion and the evaluation of its latest part are in two or three
+"""Intervals of the random force with the highest rate in a block: 0.1 MB."""
+_EVEN = 1e-9
+"""Relative difference of two times between knots that is rounding."""
+_KEPT = 4
+"""Number of blocks that are cached: a march and the evaluation of its latest part are in two or three."""
 _CREST = 4.0
-"""Root mean squares that a Gaussian force exceeds for a part of 6e-5 of the time."""
+"""Size of a Gaussian force over its root mean square: the force exceeds it 6e-5 of the time."""
 
 
 class SampledForce(Protocol):
@@ -32,48 +34,26 @@ class SampledForce(Protocol):
 
     @property
     def rate(self) -> float | None:
-        """Knots per second, Hz, of a force that is made when it is asked for; None where all of it is there."""
+        """Knots per second, Hz, of a force that is made when it is asked for; None of a record."""
 
     @property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change over that of the force, 1/s."""
+        """Root mean square of the rate of change over that of the force, 1/s: of a sine its angular frequency."""
 
     @property
     def size(self) -> float:
-        """What it hardly exceeds, N at a point, N/m along the beam."""
+        """A magnitude that the force hardly exceeds, N at a point, N/m along the beam."""
 
     def knots_within(self, start: float, end: float) -> FloatArray:
-        """The knots from one time to another.
-
-        Parameters
-        ----------
-        start, end : float
-            s.
-
-        Returns
-        -------
-        FloatArray, shape (K,)
-            s, ascending.
-        """
+        """The knots from one time to another, s, ascending, shape (K,)."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at given times.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 to the end.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            N at a point, N/m along the beam; positive upwards.
-        """
+        """The force at times `t`, s, (m,), up to the end: N at a point, N/m along the beam, positive upwards."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedForce:
-    """A force of which all knots are there."""
+    """A recorded force: all its knots are known."""
 
     x: float | None
     """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
@@ -89,12 +69,12 @@ class RecordedForce:
 
     @property
     def rate(self) -> None:
-        """None: all of it is there."""
+        """None: see `SampledForce.rate`."""
         return
 
     @cached_property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change over that of the force, 1/s; 0 for none."""
+        """See `SampledForce.usual_rate`; 0 of a force that is 0."""
         h, f = np.diff(self.knots), self.values
         square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
         return float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)) if square > 0 else 0.0
@@ -115,14 +95,14 @@ class RecordedForce:
 
 @dataclass(frozen=True, eq=False)
 class RandomForce:
-    """A force of which any part is made when it is asked for."""
+    """A random force: any part of it is made when it is asked for."""
 
     x: float | None
     """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
     realisation: Realisation
-    """What it follows."""
+    """The signal that it follows."""
     factor: float
-    """N at a point, N/m along the beam, for each unit of that."""
+    """The force, N at a point, N/m along the beam, per unit of the signal."""
 
     @property
     def end(self) -> float:
@@ -156,14 +136,14 @@ class RandomForce:
 
 @dataclass(frozen=True, eq=False)
 class Ramps:
-    """Several forces that are linear between common knots: a block of them."""
+    """A block of several forces that are linear between common knots."""
 
     time: FloatArray
     """The knots, s, ascending, shape ``(K,)``."""
     force: FloatArray
-    """The forces there, N or N/m, shape ``(K, R)``."""
+    """The forces at the knots, N or N/m, shape ``(K, R)``."""
     step: float | None = None
-    """The time between most knots of all blocks, s; found out where it is not given."""
+    """The time between most knots of all blocks, s, if it is known."""
 
     @property
     def end(self) -> float:
@@ -172,12 +152,12 @@ class Ramps:
 
     @cached_property
     def slope(self) -> FloatArray:
-        """How fast each force changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+        """Slope of each force from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
         return np.diff(self.force, axis=0) / np.diff(self.time)[:, None]
 
     @cached_property
     def spacing(self) -> float:
-        """The time between knots, s, where that is the same for most of them; else 0."""
+        """The time between knots, s, if most have one; else 0."""
         if self.step is not None:
             return self.step
         between = np.diff(self.time)
@@ -186,56 +166,33 @@ class Ramps:
         return (float(self.time[-1] - self.time[0]) / between.size if even.all() else middle) if even.any() else 0.0
 
     def until(self, t: float) -> float:
-        """The first knot after a time.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        float
-            s; infinite after the last one.
-        """
+        """The first knot after a time, s; infinite after the last one."""
         return (
             float(self.time[i]) if (i := int(np.searchsorted(self.time, t, side="right"))) < self.time.size else np.inf
         )
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times; at a knot after it.
+        """The forces, N or N/m, and their slopes, N/s or N/(m s), at times `t`, s, shape (m,); each of shape (m, R).
 
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s; before the first knot and after the last one the nearest ramp goes on.
-
-        Returns
-        -------
-        FloatArray, FloatArray, each of shape (m, R)
-            N or N/m; N/s or N/(m s).
+        At a knot the slope is that of the ramp after it. Before the first knot and after the last the nearest ramp goes
+        on.
         """
         j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
         return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
 
 
 class RampBlocks:
-    """Several sampled forces with the knots of all, up to where the first of them ends.
+    """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the end of the force that ends first.
 
-    What is there already is one block.  Where a force is made when it is asked for, a block has `KNOTS` intervals of
-    the fastest such force, and begins and ends with one of its knots; where another force has no knot there, one is
-    added on its ramp.  A time on the edge of two blocks belongs to the second.
-
-    Parameters
-    ----------
-    forces : tuple of SampledForce
-        ``R`` of them, at least one.
+    Recorded forces are one block. With random forces a block has `KNOTS` intervals of the random force with the highest
+    rate, and begins and ends with one of its knots; the other forces get a knot there, on their ramps. A time on the
+    edge of two blocks belongs to the second.
     """
 
     def __init__(self, forces: tuple[SampledForce, ...]) -> None:
         self.forces = forces
         self.end = min(force.end for force in forces)
-        """Where the first of them ends, s; infinite where none does."""
+        """Time at which the first force ends, s; infinite if none does."""
         self._fastest = max((force.rate for force in forces if force.rate is not None), default=None)
         self._block = lru_cache(maxsize=_KEPT)(self._made_block)
 
@@ -244,24 +201,13 @@ class RampBlocks:
 
     @property
     def rate(self) -> float:
-        """Knots per second that are usual, Hz."""
+        """Usual number of knots per second, Hz."""
         if self._fastest is not None:
             return self._fastest
         return 1 / float(np.median(np.diff(self._block(0).time)))
 
     def block_at(self, t: float) -> Ramps:
-        """The block that a time is in; at the end of one, the next, and after the last block, the last.
-
-        Parameters
-        ----------
-        t : float
-            The time, s.
-
-        Returns
-        -------
-        Ramps
-            It goes beyond the time, up to `Ramps.end`, unless that is after the end of all; not to be written to.
-        """
+        """The block that a time is in, not to be written to; between two blocks, the second."""
         return self._block(int(self._numbers(np.array([t]))[0]))
 
     def until(self, t: float) -> float:
@@ -269,7 +215,7 @@ class RampBlocks:
         return self.block_at(t).until(t)
 
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The forces, and how fast they change, at given times. See `Ramps.at`."""
+        """The forces and their slopes at given times. See `Ramps.at`."""
         number = self._numbers(t)
         force, slope = np.empty((2, t.size, len(self.forces)))
         for k in np.unique(number).tolist():
@@ -278,7 +224,7 @@ class RampBlocks:
         return force, slope
 
     def _numbers(self, t: FloatArray) -> IntArray:
-        """Which block each time is in, shape ``(m,)``."""
+        """Number of the block that each time is in, shape ``(m,)``."""
         if self._fastest is None:
             return np.zeros(t.size, dtype=np.int64)
         t, length = np.clip(t, 0.0, self.end), KNOTS / self._fastest

@@ -1,8 +1,8 @@
 """Random excitation: a stationary Gaussian acceleration of the base, or force at a point, with a given density.
 
-The realisation depends on the density, the rate and the seed alone, see `lapjoint.problem.realisation`.  So the
-default rate comes from the density, and not from how far up a solver follows: two solvers, or one with two numbers of
-modes, see the same forces, and differ by their own errors only.
+The realisation depends on the density, the rate and the seed alone (`lapjoint.problem.realisation`).  The default rate
+comes from the density, and not from the highest mode of a solver: two solvers, or two resolutions of one, then see the
+same forces, and differ by their own errors only.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import warnings
 from functools import cached_property
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -23,12 +23,14 @@ from lapjoint.problem.records import LARGEST, UNITS
 from lapjoint.problem.schema import FloatArray, NonNegative, Part, Positive, Whole
 
 SAMPLES_A_PERIOD = 8.0
-"""Of the highest frequency, by default: straight lines between them take off 10 % of the density there, which is made
-up for, and add (1/7)^4 = 4e-4 of it at 7 times that frequency."""
+"""Default number of samples per period of the highest frequency.  Straight lines between samples take off 10 % of the
+density there, which the filter corrects, and add (1/7)^4 = 4e-4 of it at 7 times the highest frequency."""
 FEWEST_A_PERIOD = 2.5
-"""Of the highest frequency: with fewer, what straight lines add comes close to the band, and to its size."""
-_MOST_ADDED = 0.01  # of the density: so much may straight lines add beyond the band without a warning
-_BLUNT = 0.5  # of the lowest frequency: over so much may the lower edge smear without a warning
+"""Least number of samples per period of the highest frequency: fewer add too much near the band."""
+_MOST_ADDED = 0.01
+"""Largest share of the density that straight lines may add beyond the band without a warning."""
+_BLUNT = 0.5
+"""Largest width of the lower edge, over the lowest frequency, without a warning."""
 
 
 def _squares(quantity: str) -> dict[str, float]:
@@ -66,6 +68,8 @@ LARGEST_SEED = 2**63 - 1
 class Random(Part):
     """A stationary Gaussian signal by its power spectral density."""
 
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     psd: Annotated[
         tuple[tuple[Positive, Positive], ...], _AtLeastTwo, BeforeValidator(_in_pairs), AfterValidator(_ascending)
     ]
@@ -79,7 +83,7 @@ class Random(Part):
 
     @property
     def _measured(self) -> Literal["acceleration", "force"]:
-        """What the density is of."""
+        """The quantity that has the density."""
         raise NotImplementedError
 
     @model_validator(mode="after")
@@ -103,7 +107,7 @@ class Random(Part):
         return self
 
     def _check_rate(self) -> None:
-        """Refuse rates that the density cannot have, and say where the signal departs from it."""
+        """Refuse rates that are too low or too high for the density, and warn where the signal departs from it."""
         rate, top, lowest = self.samples_per_second, self.density.top, self.density.lowest
         if not np.isfinite(rate * MOST_TAPS):
             raise ValueError(f"rate = {rate:g}: is too large for a number")
@@ -143,13 +147,8 @@ class Random(Part):
 
     @property
     def rms(self) -> float:
-        """Root of the mean square by the density, m/s2 or N."""
+        """Root mean square by the density, m/s2 or N."""
         return float(np.sqrt(self.density.moment(0)))
-
-    @property
-    def waves(self) -> tuple[Any, ...]:
-        """The waves of which it consists: none."""
-        return ()
 
     def _realisation(self, part: int) -> Realisation:
         return Realisation(self.density, self.samples_per_second, self.seed, part)
@@ -179,25 +178,12 @@ class RandomBaseMotion(Random):
         return self._realisation(0)
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """y(t), or a derivative of it, stationary as the acceleration is.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 on.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
+        """y(t), stationary as the acceleration is, or a t-derivative. See `RecordBaseMotion.at`."""
         return self.realisation.at(t, 2 - derivative)
 
     @property
     def remark(self) -> str:
-        """What it is, in a line."""
+        """Its RMS, band, rate, seed, and the RMS motion of the base, in a line."""
         velocity, displacement = (np.sqrt(self.density.moment(power)) for power in (-2, -4))
         return f"{self._spectrum}; the base moves by {displacement:.3g} m RMS with {velocity:.3g} m/s RMS"
 
@@ -205,6 +191,8 @@ class RandomBaseMotion(Random):
 class RandomLoad(Random):
     """A random transverse force at a point, with a given density."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["random"] = "random"
     x: NonNegative
     """Position, m, within the beam."""
@@ -212,11 +200,6 @@ class RandomLoad(Random):
     @property
     def _measured(self) -> Literal["acceleration", "force"]:
         return "force"
-
-    @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
 
     def realisation(self, number: int) -> Realisation:
         """The force.
@@ -235,5 +218,5 @@ class RandomLoad(Random):
 
     @property
     def remark(self) -> str:
-        """What it is, in a line."""
+        """Its RMS, band, rate and seed, in a line."""
         return self._spectrum

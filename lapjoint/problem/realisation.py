@@ -1,22 +1,22 @@
-r"""A stationary Gaussian signal with a given density, of which any part can be made at any time without the others.
+r"""A stationary Gaussian signal with a given density; any part of it can be made at any time, without the others.
 
 White noise is filtered by a linear phase filter with finitely many taps g, so that the samples
 
     a_n = sum over m of g_m w_(n + M - 1 - m)
 
-are Gaussian and exactly stationary, whatever the taps are.  The noise comes in blocks, each from a generator of its own
-(`numpy.random.SeedSequence` with the seed, and the number of the part and of the block as the spawn key), so that the
-samples depend on the seed alone, and not on which of them were asked for before.
+are Gaussian and exactly stationary, whatever the taps are.  The noise comes in blocks, each from a generator of its
+own: `numpy.random.SeedSequence` with the seed, and the numbers of the part and of the block as the spawn key.  The
+samples then depend on the seed alone, and not on which of them were asked for before.
 
 *Taps.*  Between samples the signal is linear, which multiplies the density of the samples by sinc^4(f / rate) and
-repeats it around multiples of the rate: at rate - f the density is (f / (rate - f))^4 of that at f.  So the samples are
-given the density S / sinc^4.  The taps are the Fourier series of its square root, under a Kaiser window, which smears
-the edges over `SMEAR` of the lowest frequency (or of the width of the band, if that is less) and lets through `LEAK` of
-the amplitude far from them, as long as `MOST_TAPS` are enough for that.  They are scaled so that the variance up to
-half the rate is that of the density.
+repeats it around multiples of the rate: at rate - f the density is (f / (rate - f))^4 of that at f.  The samples are
+therefore given the density S / sinc^4.  The taps are the Fourier series of its square root, under a Kaiser window.  The
+window smears the edges over `SMEAR` of the lowest frequency (or of the width of the band, if that is less), and passes
+`LEAK` of the amplitude far from them, as long as `MOST_TAPS` taps are enough.  The taps are scaled so that the variance
+up to half the rate is that of the density.
 
-*Integrals.*  The taps are symmetric and their sum is 0: so are both integrals over time of the piecewise linear signal
-filtered noise with as many taps, exactly stationary as well, and nothing drifts away.
+*Integrals.*  The taps are symmetric and their sum is 0.  Both integrals over time of the piecewise linear signal are
+then filtered noise with as many taps, and exactly stationary: nothing drifts away.
 """
 
 from __future__ import annotations
@@ -31,18 +31,21 @@ from lapjoint.problem.density import Density
 from lapjoint.problem.schema import FloatArray, IntArray
 
 SMEAR = 0.05
-"""Of the lowest frequency or of the width of the band, without unit: over so much the edges of the density smear."""
+"""Width over which the edges of the density smear, over the lowest frequency or the width of the band."""
 LEAK = 1e-5
-"""Of the largest amplitude, without unit: so much passes far outside of the band; 1e-10 of the density."""
+"""Amplitude that passes far outside of the band, over the largest amplitude: 1e-10 of the density."""
 MOST_TAPS = 2**20
-"""More are not used: a block of samples takes 8 MB and its transforms 64 MB then."""
-_FINER = 4  # frequencies at which the filter is laid out, over the number of taps: 20 of them within an edge
-_LEAST_BLOCK = 2**12  # samples: a shorter block would cost more for its generator than for its numbers
-_KEPT = 8  # filters kept, of 1 MB each for a band of two decades
+"""Largest number of taps: a block of samples then takes 8 MB, and its transforms 64 MB."""
+_FINER = 4
+"""Frequencies at which the filter is laid out, over the number of taps: 20 of them are within an edge."""
+_LEAST_BLOCK = 2**12
+"""Least number of samples in a block: a shorter block would cost more for its generator than for its numbers."""
+_KEPT = 8
+"""Number of filters that are cached, of 1 MB each for a band of two decades."""
 
 
 def _taps_needed(density: Density, rate: float) -> float:
-    """How many taps give edges as sharp as `SMEAR` has it."""
+    """Number of taps that make edges as sharp as `SMEAR`."""
     return _edge_of_one_tap(rate) / (SMEAR * min(density.lowest, density.top - density.lowest))
 
 
@@ -52,38 +55,15 @@ def _edge_of_one_tap(rate: float) -> float:
 
 
 def edge(density: Density, rate: float) -> float:
-    """Over how wide a range the edges of a density smear.
-
-    Parameters
-    ----------
-    density : Density
-        What is wanted.
-    rate : float
-        Samples per second, Hz.
-
-    Returns
-    -------
-    float
-        Hz.
-    """
+    """Width of the range over which the edges of a density smear, Hz, at `rate` samples a second."""
     return _edge_of_one_tap(rate) / min(_taps_needed(density, rate), MOST_TAPS)
 
 
 @lru_cache(maxsize=_KEPT)
 def taps_for(density: Density, rate: float) -> FloatArray:
-    """The taps that give white noise of unit variance a density.
+    """The taps, shape (M,), M odd, that give white noise of unit variance a density, at `rate` samples a second.
 
-    Parameters
-    ----------
-    density : Density
-        The density of the signal that is linear between samples.
-    rate : float
-        Samples per second, Hz, at least twice the top of the density.
-
-    Returns
-    -------
-    FloatArray, shape (M,)
-        In the unit of the signal; M is odd; not to be written to.
+    They have the unit of the signal, and are not to be written to. The rate is at least twice the top of the density.
     """
     M = int(min(np.ceil(_taps_needed(density, rate)), MOST_TAPS)) // 2 * 2 + 1
     N = 1 << (_FINER * M - 1).bit_length()
@@ -100,19 +80,9 @@ def taps_for(density: Density, rate: float) -> FloatArray:
 
 
 def integrated(taps: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
-    """The taps of the first and of the second integral over time of the signal that is linear between samples.
+    """The taps of the first and the second integral over time of the signal that is linear between samples.
 
-    Parameters
-    ----------
-    taps : FloatArray, shape (M,)
-        Symmetric, and 0 in sum.
-    rate : float
-        Samples per second, Hz.
-
-    Returns
-    -------
-    FloatArray, FloatArray, each of shape (M,)
-        In the unit of the signal times s, and s^2.
+    `taps`, shape (M,), are symmetric and 0 in sum; the integrals have their shape, and their unit times s and s^2.
     """
     h, before = 1 / rate, np.append(0.0, taps[:-1])
     first = np.cumsum(h * (before + taps) / 2)
@@ -122,18 +92,9 @@ def integrated(taps: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
 
 
 class Realisation:
-    """One signal.
+    """The realisation with a `seed` of a density, `rate` samples a second, linear between samples.
 
-    Parameters
-    ----------
-    density : Density
-        The density of the signal that is linear between samples.
-    rate : float
-        Samples per second, Hz.
-    seed : int
-        0 or more.
-    part : int
-        Which of several independent signals with this seed, from 0.
+    `part` numbers independent signals with one seed, from 0.
     """
 
     def __init__(self, density: Density, rate: float, seed: int, part: int) -> None:
@@ -146,36 +107,12 @@ class Realisation:
         return Realisation, (self.density, self.rate, self.seed, self.part)
 
     def knots(self, start: float, end: float) -> FloatArray:
-        """The times of the samples within a range.
-
-        Parameters
-        ----------
-        start, end : float
-            s, from 0 on.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            s, ascending.
-        """
+        """The times of the samples from `start` to `end`, s, ascending, shape (n,)."""
         found = np.arange(np.floor(start * self.rate), np.ceil(end * self.rate) + 1) / self.rate
         return np.asarray(found[(found >= start) & (found <= end)])
 
     def at(self, t: FloatArray, integral: int = 0) -> FloatArray:
-        """The signal, or an integral of it over time.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, from 0 on.
-        integral : int
-            How many times it is integrated, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            In the unit of the signal, times s^integral.
-        """
+        """The signal at times `t`, s, shape (m,), from 0 on, integrated over time `integral` times, 0 to 2."""
         t = np.asarray(t, dtype=float)
         n = np.maximum(np.floor(t * self.rate), 0.0)
         n += (n + 1) / self.rate <= t
@@ -191,7 +128,7 @@ class Realisation:
         return np.asarray(self._samples(at, 2) + s * (first + s * (a / 2 + s * slope / 6)))
 
     def _samples(self, n: IntArray, integral: int) -> FloatArray:
-        """The samples with given numbers, or those of an integral, shape ``(m,)``."""
+        """The samples with numbers `n`, of the signal or an integral of it, shape ``(m,)``."""
         found, block = np.empty(n.size), n // self._size
         for k in np.unique(block).tolist():
             here = block == k
@@ -200,7 +137,7 @@ class Realisation:
 
     @property
     def _size(self) -> int:
-        """Samples in a block: a power of two, as many as there are taps at least."""
+        """Samples in a block: a power of two, not less than the number of taps."""
         M = int(taps_for(self.density, self.rate).size)
         return max(_LEAST_BLOCK, 1 << (M - 1).bit_length())
 
@@ -213,7 +150,7 @@ class Realisation:
         return np.fft.rfft(taps if integral == 0 else integrated(taps, self.rate)[integral - 1], 2 * self._size)
 
     def _made_block(self, k: int, integral: int) -> FloatArray:
-        """By overlap and save: the samples that need no noise of other blocks than this and the next."""
+        """Samples of block `k`, by overlap and save, of the noise of this block and the next."""
         M, L = taps_for(self.density, self.rate).size, self._size
         noise = np.concatenate([self._noise(k), self._noise(k + 1)])
         made = np.fft.irfft(np.fft.rfft(noise) * self._filter(integral), 2 * L)[M - 1 : M - 1 + L]

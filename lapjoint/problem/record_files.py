@@ -1,12 +1,12 @@
 """Columns of a CSV file, as shakers, accelerometers and load cells write them.
 
-Empty lines and lines that begin with # are passed over.  A first line with a cell that is neither a number nor made of
-digits and marks alone holds the names of the columns.
+Empty lines and lines that begin with # are skipped.  The first line holds the names of the columns if one of its cells
+is neither a number nor made of digits and marks alone.
 
-Nothing is read that may have been meant otherwise.  Lines of samples have as many fields each, and those that the first
-line of the file does not have are empty.  A number has no separated thousands.  Where every line of the samples could
-also be read with its commas as decimal marks (``29,123``), or with separated thousands (``1,234.5``), `decimal` or
-`delimiter` must say how to read it.
+A file that can be read in two ways is refused.  All lines of samples have one number of fields, and fields beyond those
+of the first line are empty.  A number has no separated thousands.  Where every line of the samples could also be read
+with commas as decimal marks (``29,123``), or with separated thousands (``1,234.5``), `decimal` or `delimiter` must say
+how to read it.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ from lapjoint.problem.samples import Samples, Source
 from lapjoint.problem.schema import IntArray
 
 _DELIMITERS = (";", "\t", ",", " ")
-"""What may stand between columns, in the order in which it is looked for."""
-_NAMED = 12  # most columns that a message names
+"""Possible delimiters of columns, in the order in which they are looked for."""
+_NAMED = 12
+"""Most columns that a message names."""
 _MARKS = re.compile(r"(?=.*\d)[\d\s.,:/'+-]+")
 """A cell of digits and marks, as a time of day or ``1,234.5``: no name of a column."""
 _WHOLE, _FRACTION, _POWER = r"[+-]?(?:\d+|[1-9]\d{0,2}(?:\.\d{3})+)", r",\d+", r"(?:[eE][+-]?\d+)?"
@@ -35,7 +36,7 @@ _WITH_COMMA, _PERHAPS = f"{_WHOLE}{_FRACTION}{_POWER}", f"{_WHOLE}(?:{_FRACTION}
 _DECIMAL_COMMAS = re.compile(
     rf"{_WITH_COMMA}(?:,{_WITH_COMMA})*|(?=.*,){_PERHAPS}(?:[;\s]\s*{_PERHAPS})*"  # ``0,5,-1.234,5``; ``0;29,123``
 )
-"""A line that has sense with its commas as decimal marks, between commas or anything else."""
+"""A line that makes sense with its commas as decimal marks, whatever stands between columns."""
 _THOUSANDS = {
     ".": re.compile(r"(?:^|[\s,])[+-]?[1-9]\d{0,2}(?:[, ]\d{3})+(?:\.\d*)?(?:$|[\s,])"),
     ",": re.compile(r"(?:^|\s)[+-]?[1-9]\d{0,2}(?: \d{3})+(?:,\d*)?(?:$|\s)"),
@@ -53,27 +54,10 @@ class _Line(NamedTuple):
 
 
 def read_columns(source: Source) -> tuple[Samples, Samples | None, IntArray]:
-    """The values of a record, and their times if it has a column of them.
+    """The values of a record, their times, each in its own unit, and the lines of the file, from 1, (n,) each.
 
-    Parameters
-    ----------
-    source : Source
-        Where and how to read.
-
-    Returns
-    -------
-    Samples
-        The values, in their own unit.
-    Samples or None
-        Their times, in their own unit.
-    IntArray, shape (n,)
-        The line of the file in which each of them is, from 1.
-
-    Raises
-    ------
-    ValueError
-        If there is no such file or column, a cell is no number, or a line can be read in two ways; the message names
-        the line.
+    The times are None without a column of them. A `ValueError` names the line of a cell that is no number, or that can
+    be read in two ways.
     """
     lines = _lines(source)
     first = lines[0].cells
@@ -107,7 +91,7 @@ def _lines(source: Source) -> list[_Line]:
 
 
 def _text(source: Source) -> str:
-    """All that the file holds, without a byte order mark."""
+    """The text of the file, without a byte order mark."""
     path = Path(source.folder) / source.file
     try:
         raw = read_file(path, f"file = {shown(source.file)}")
@@ -129,7 +113,7 @@ def _refused(source: Source, message: str) -> ValueError:
 
 
 def _delimiter_of(first: list[str], decimal: str) -> str:
-    """What stands between columns, from the first two lines: in that of samples, or in both if both are."""
+    """The delimiter in the first two lines: in the line of samples, or in either if both are samples."""
     samples = [line for line in first[::-1] if line is first[-1] or _MARKS.fullmatch(line)]
     for line in samples:
         for mark in _DELIMITERS:
@@ -159,7 +143,7 @@ def _is_name(cell: str, decimal: str) -> bool:
 
 
 def _check_widths(source: Source, first: _Line, width: int, rows: list[_Line]) -> None:
-    """Refuse lines of samples that differ in their number of fields, or have not the `width` of the first line."""
+    """Refuse lines of samples that differ in their number of fields, or have fewer than the first line's `width`."""
     for row in rows:
         if len(row.cells) < width or any(row.cells[width:]):
             other, number = first, width

@@ -1,12 +1,13 @@
-r"""A motion whose acceleration is continuous and linear between knots, from samples of it or of its integrals.
+r"""A motion whose acceleration is continuous and linear between knots, from samples of it, the velocity or
+displacement.
 
 *Acceleration* is linear between samples.  *Displacement* is the C2 cubic spline through the samples (not-a-knot).
 *Velocity* is the C1 quadratic spline through the samples whose knots lie half-way between them, without the first and
 the last (de Boor's not-a-knot condition): knots at the samples would leave one constant free, and a_{k+1} = 2 dv / h -
 a_k would carry the noise of every sample on to the end of the record, see docs/theory.md.
 
-Samples inserted on the interpolant change nothing, but for velocity only if the points half-way between the old ones
-stay half-way between two of the new ones, as when each interval is cut into three.
+Samples inserted on the interpolant do not change it; of velocity only if the points half-way between old samples stay
+half-way between new ones, as when each interval is cut into three.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from lapjoint.problem.schema import FloatArray
 
-_GAUSS = np.polynomial.legendre.leggauss(3)  # exact for what is integrated, of degree 4 at most
+_GAUSS = np.polynomial.legendre.leggauss(3)  # exact for polynomials of degree 5; integrands have at most 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class RecordedMotion:
     time: FloatArray
     """The knots, s, from 0, shape ``(K,)``."""
     acceleration: FloatArray
-    """There, m/s2, shape ``(K,)``; linear between."""
+    """Acceleration at the knots, m/s2, shape ``(K,)``; linear between them."""
     start: tuple[float, float]
     """Displacement, m, and velocity, m/s, at 0."""
 
@@ -41,20 +42,7 @@ class RecordedMotion:
         return v, y
 
     def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
-        """The motion, or a derivative of it.
-
-        Parameters
-        ----------
-        t : FloatArray, shape (m,)
-            Times, s, within the record.
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        FloatArray, shape (m,)
-            m, m/s or m/s2.
-        """
+        """The motion, or its `derivative`-th t-derivative, at times `t`, s, (m,), within the record: m, m/s or m/s2."""
         j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
         (v, y), s = self._integrals, np.asarray(t) - self.time[j]
         a, slope = self.acceleration[j], (np.diff(self.acceleration) / np.diff(self.time))[j]
@@ -65,17 +53,9 @@ class RecordedMotion:
         return np.asarray(y[j] + s * (v[j] + s * (a / 2 + s * slope / 6)))
 
     def line(self, derivative: int) -> tuple[float, float]:
-        """The straight line that comes nearest to a derivative of the motion, by its squared distance over time.
+        """The line nearest to a derivative of the motion, in the mean square over time: its value half-way, and slope.
 
-        Parameters
-        ----------
-        derivative : int
-            Which t-derivative, 0 to 2.
-
-        Returns
-        -------
-        float, float
-            Its value half-way through the record, the mean of the derivative, and its slope, m over powers of s.
+        The value is the mean of the derivative; both are in m over powers of s.
         """
         T, half = float(self.time[-1]), np.diff(self.time)[:, None] / 2
         t = (self.time[:-1, None] + half + half * _GAUSS[0]).ravel()
@@ -83,20 +63,7 @@ class RecordedMotion:
         return float(values @ w) / T, 12 * float((values * (t - T / 2)) @ w) / T**3
 
     def without(self, derivative: int, value: float, slope: float) -> RecordedMotion:
-        """The motion less one of which a derivative is a straight line.
-
-        Parameters
-        ----------
-        derivative : int
-            Which t-derivative, 0 to 2.
-        value, slope : float
-            The line, as `line` gives it.
-
-        Returns
-        -------
-        RecordedMotion
-            With the same knots.
-        """
+        """The motion less one whose `derivative`-th derivative is a straight line, as `line` gives it."""
         first, (y, v) = value - slope * float(self.time[-1]) / 2, self.start
         if derivative == 2:
             return RecordedMotion(self.time, self.acceleration - first - slope * self.time, self.start)
@@ -106,21 +73,9 @@ class RecordedMotion:
 
 
 def motion_through(time: FloatArray, values: FloatArray, derivative: int) -> RecordedMotion:
-    """The motion of which a derivative goes through samples.
+    """The motion whose `derivative`-th derivative, 0 to 2, goes through `values`, m over powers of s, shape (n,).
 
-    Parameters
-    ----------
-    time : FloatArray, shape (n,)
-        When, s, ascending from 0; two at least.
-    values : FloatArray, shape (n,)
-        The derivative then, m over powers of s.
-    derivative : int
-        Which, 0 to 2.
-
-    Returns
-    -------
-    RecordedMotion
-        From 0 on: at rest there as far as the samples do not say how it moves.
+    Their times `time`, s, ascend from 0, shape (n,). The motion begins at rest as far as the samples leave that open.
     """
     if derivative == 2:
         return RecordedMotion(time, values, (0.0, 0.0))

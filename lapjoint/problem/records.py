@@ -1,14 +1,14 @@
 """Recorded excitation: the motion of the base, or a force at a point, from a file or from arrays.
 
-Times count from the first sample.  What lies between samples is in `lapjoint.problem.recorded_motion`; a force is
-linear there.
+Times count from the first sample.  A force is linear between samples; `lapjoint.problem.recorded_motion` interpolates
+the motion of a base.
 """
 
 from __future__ import annotations
 
 import warnings
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
@@ -34,15 +34,15 @@ TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """Which t-derivative of the motion a quantity is."""
 LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
-"""A thousand times what the largest shakers reach, 200 g, 5 m/s, 0.5 m and 1 MN: more is a wrong unit."""
+"""A thousand times the reach of the largest shakers, 200 g, 5 m/s, 0.5 m and 1 MN: larger samples have a wrong unit."""
 HOLE = 1.5
-"""Steps between samples, in medians of them, beyond which one or more samples are missing: half-way between 1 and 2."""
+"""Step between samples, over the median step, above which samples are missing: half-way between 1 and 2."""
 EVEN = 0.9
-"""Share of the steps that lie within half a median of it where a record is evenly sampled but for holes."""
+"""Share of steps within half a median of the median from which on a record is evenly sampled but for holes."""
 
 
-class Record(Part):
-    """Samples over time, from a CSV file or from arrays."""
+class Reading(Part):
+    """Where the samples of a record are read, and how."""
 
     file: str | None = None
     """CSV file, relative to the folder of the problem file; or else values."""
@@ -58,6 +58,13 @@ class Record(Part):
     """What begins the fraction of a number of the file: a point or a comma."""
     encoding: str = "utf-8"
     """Encoding of the file, e.g. cp1252 or utf-16; a byte order mark may be there."""
+
+
+class Record(Reading):
+    """Samples over time, from a CSV file or from arrays."""
+
+    waves: ClassVar[tuple[()]] = ()
+    """The waves of which it consists: none."""
     values: Samples | None = None
     """The samples, where there is no file."""
     times: Samples | None = None
@@ -77,16 +84,45 @@ class Record(Part):
 
     @property
     def _measured(self) -> str:
-        """Which of `UNITS` the samples are."""
+        """The quantity of the samples, a key of `UNITS`."""
         raise NotImplementedError
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_samples_of_the_file(cls, data: Any, info: ValidationInfo) -> Any:
+        """The tables with the samples of their file, and their digest; read unless they came with the tables."""
+        if not isinstance(data, dict) or not isinstance(data.get("file"), str):
+            return data
+        try:
+            how = Reading.model_validate({key: data[key] for key in Reading.model_fields if key in data})
+            times = it if isinstance(it := data.get("times"), Samples | None) else Samples(it)
+        except ValueError:
+            return data  # the validation of the fields says what is wrong
+        values = data.get("values")
+        own = values.source if isinstance(values, Samples) else None
+        if (values is not None and own is None) or how.delimiter == how.decimal:
+            return data  # refused below
+        fields = {name: getattr(how, name) for name in Reading.model_fields}
+        source = Source((info.context or {}).get("folder", ".") if own is None else own.folder, **fields)
+        if own != source or not isinstance(values, Samples):
+            values, times, _ = read_columns(source)
+        found, stated = _digest(values, times), data.get("sha256") if own in (None, source) else None
+        if stated not in (None, found):
+            raise ValueError(f"sha256 = {shown(stated)}: {shown(how.file)} has changed: its samples now have {found}")
+        return data | {"values": values, "times": times, "sha256": found}
+
     @model_validator(mode="after")
-    def _complete(self, info: ValidationInfo) -> Self:
-        lines = self._take_file((info.context or {}).get("folder", "."))
+    def _complete(self) -> Self:
+        if self.file is None and self.values is not None and self.values.source is not None:
+            raise ValueError("file: is missing; its samples are there without it")
+        if self.file is not None and self.values is not None and self.values.source is None:
+            raise ValueError("file, values: give one of them")
+        if self.file is not None and self.delimiter == self.decimal:
+            raise ValueError('delimiter = ",": is the decimal mark, too')
         if self.values is None:
             raise ValueError("file: is missing; allowed are the path of a CSV file, or values in its place")
         self._check_units()
-        self._check_times(self.values, lines)
+        self._check_times(self.values)
         size = float(np.max(np.abs(self.values.array))) * self._factor
         if not np.isfinite(size * size):
             raise ValueError(f"values: the largest is {size:g}, and its square must be finite")
@@ -100,28 +136,6 @@ class Record(Part):
             )
         return self
 
-    def _take_file(self, folder: str) -> IntArray | None:
-        """Read the file, unless its samples came with the tables; returns the lines in which the samples are."""
-        own = None if self.values is None else self.values.source
-        if self.file is None:
-            if self.values is not None and own is not None:  # the file was taken out of the tables
-                raise ValueError("file: is missing; its samples are there without it")
-            return None
-        if self.values is not None and own is None:
-            raise ValueError("file, values: give one of them")
-        if self.delimiter == self.decimal:
-            raise ValueError('delimiter = ",": is the decimal mark, too')
-        how = (self.column, self.time_column, self.skip, self.delimiter, self.decimal, self.encoding)
-        source, lines = Source(folder if own is None else own.folder, self.file, *how), None
-        if own != source:
-            values, times, lines = read_columns(source)
-            self.__dict__.update(values=values, times=times)
-        found, stated = self.digest, self.sha256 if own in (None, source) else None
-        if stated not in (None, found):
-            raise ValueError(f"sha256 = {shown(stated)}: {shown(self.file)} has changed: its samples now have {found}")
-        self.__dict__.update(sha256=found)
-        return lines
-
     def _check_units(self) -> None:
         allowed = UNITS[self._measured]
         if self.unit is not None and self.unit not in allowed:
@@ -131,7 +145,7 @@ class Record(Part):
         if self.time_unit not in TIME_UNITS:
             raise ValueError(f"time_unit = {shown(self.time_unit)}: allowed: {', '.join(TIME_UNITS)}")
 
-    def _check_times(self, values: Samples, lines: IntArray | None) -> None:
+    def _check_times(self, values: Samples) -> None:
         timed = "time_column" if self.file is not None else "times"
         if (self.times is None) == (self.rate is None):
             raise ValueError(f"rate, {timed}: give one of them")
@@ -152,11 +166,11 @@ class Record(Part):
         if bad.size:
             i = int(bad[0])
             what = "is there twice" if t[i + 1] == t[i] else f"comes after {t[i]:.12g}"
-            raise ValueError(f"{timed}: {t[i + 1]:.12g} {what} ({_place(i + 1, lines)}); times must ascend")
+            raise ValueError(f"{timed}: {t[i + 1]:.12g} {what} ({self._place(i + 1)}); times must ascend")
         if self.holes == "refuse" and self._bridged.size:
             i, step = int(self._bridged[0]), np.diff(self.time)
             raise ValueError(
-                f"{timed}: {_place(i + 1, lines)} is at {t[i + 1]:.12g} {self.time_unit}, {step[i]:.6g} s after the "
+                f"{timed}: {self._place(i + 1)} is at {t[i + 1]:.12g} {self.time_unit}, {step[i]:.6g} s after the "
                 f"sample before, and their median step is {np.median(step):.6g} s ({_holes(self._bridged.size)}); "
                 'holes = "bridge" takes them'
             )
@@ -183,7 +197,7 @@ class Record(Part):
 
     @property
     def _bridged(self) -> IntArray:
-        """Steps of an evenly sampled record that are too long, by their first samples."""
+        """First samples of the steps that are too long in an evenly sampled record, shape ``(holes,)``."""
         if self.times is None:
             return np.zeros(0, dtype=np.int64)
         steps = np.diff(self.times.array) / np.median(np.diff(self.times.array))
@@ -192,7 +206,7 @@ class Record(Part):
 
     @property
     def _bridges(self) -> str:
-        """What was done about holes, for a remark: empty where there is none."""
+        """A remark on bridged holes; empty if there are none."""
         if not self._bridged.size:
             return ""
         steps = np.diff(self.time)[self._bridged]
@@ -211,14 +225,12 @@ class Record(Part):
     def digest(self) -> str:
         """SHA-256 of the samples, and of their times if they have some."""
         assert self.values is not None
-        if self.times is None:
-            return self.values.digest
-        return Samples(np.concatenate([self.values.array, self.times.array])).digest
+        return _digest(self.values, self.times)
 
-    @property
-    def waves(self) -> tuple[Any, ...]:
-        """The waves of which it consists: none."""
-        return ()
+    def _place(self, sample: int) -> str:
+        """Place of the sample with an index, for messages: its line in the file, if there is one, else its number."""
+        source = None if self.values is None else self.values.source
+        return f"sample {sample + 1}" if source is None else f"line {read_columns(source)[2][sample]}"
 
 
 class RecordBaseMotion(Record):
@@ -280,6 +292,8 @@ class RecordBaseMotion(Record):
 class RecordLoad(Record):
     """A recorded transverse force at a point."""
 
+    constant: ClassVar[float] = 0.0
+    """The constant part, N."""
     kind: Literal["record"] = "record"
     x: NonNegative
     """Position, m, within the beam."""
@@ -287,11 +301,6 @@ class RecordLoad(Record):
     @property
     def _measured(self) -> str:
         return "force"
-
-    @property
-    def constant(self) -> float:
-        """The part that is constant, N: none."""
-        return 0.0
 
     @property
     def force(self) -> FloatArray:
@@ -315,9 +324,9 @@ class RecordLoad(Record):
         )
 
 
-def _place(sample: int, lines: IntArray | None) -> str:
-    """Where a sample is, by its number from 0, in the words of the file if its lines are known."""
-    return f"sample {sample + 1}" if lines is None else f"line {lines[sample]}"
+def _digest(values: Samples, times: Samples | None) -> str:
+    """SHA-256 of samples, and of their times if they have some."""
+    return values.digest if times is None else Samples(np.concatenate([values.array, times.array])).digest
 
 
 def _holes(number: int) -> str:

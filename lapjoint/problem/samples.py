@@ -1,4 +1,4 @@
-"""Long lists of numbers as one part of a problem: immutable, compared by their values, known by a digest."""
+"""Long lists of numbers as one part of a problem: immutable, compared by value, identified by a digest."""
 
 from __future__ import annotations
 
@@ -31,20 +31,7 @@ class Source(NamedTuple):
 
 
 class Samples:
-    """Numbers in a row.
-
-    Parameters
-    ----------
-    values : sequence of float, shape (n,)
-        The numbers, in whatever unit.
-    source : Source, optional
-        Where they were read.
-
-    Raises
-    ------
-    ValueError
-        If they are not numbers in a row.
-    """
+    """Numbers in a row, shape (n,), in whatever unit, and the file that they were read from, if any."""
 
     def __init__(self, values: Sequence[float] | FloatArray, source: Source | None = None) -> None:
         if any(isinstance(value, str | bool) for value in _few(values)):
@@ -103,7 +90,7 @@ def _samples(value: Any) -> Samples:
 
 
 def _few(values: Any) -> Any:
-    """The values to look at one by one: none of an array of numbers, and a text for what is no list at all."""
+    """The values that must be checked one by one: none of an array of numbers, and a text in place of no list."""
     if isinstance(values, np.ndarray):
         return () if values.dtype.kind in "fiu" else [""]
     return values if isinstance(values, list | tuple) else [""]

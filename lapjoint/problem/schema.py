@@ -1,4 +1,4 @@
-"""What every part of a problem is made of: checked numbers, and a frozen table that refuses unknown keys."""
+"""Types of the fields of a problem, and the base of its parts: a frozen table that refuses unknown keys."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, Na
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
 else:
-    ModelMetaclass = type(BaseModel)  # pydantic names it in private only
+    ModelMetaclass = type(BaseModel)  # pydantic has no public name for it
 
 
 class _InSentences(ModelMetaclass):
-    """Lets whoever makes a part in Python read what the command line says of a file, one sentence for each fault."""
+    """Makes a part in Python raise the messages that the command line has for a file, one sentence for each fault."""
 
     def __call__(cls, *args: Any, **given: Any) -> Any:  # noqa: N805, whose self is a class
         try:
@@ -55,7 +55,7 @@ class Part(BaseModel, metaclass=_InSentences):
     @model_validator(mode="before")
     @classmethod
     def _text_has_an_encoding(cls, data: Any) -> Any:
-        """Refuse text that no file can hold, as a name of a file that is not UTF-8 becomes in an argument."""
+        """Refuse text that UTF-8 cannot hold, as a file name of another encoding becomes in an argument."""
         for key, value in data.items() if isinstance(data, dict) else ():
             if isinstance(value, str) and _has_surrogate(value):
                 raise ValueError(f"{key} = {shown(value)}: must be text that UTF-8 can hold")

@@ -1,4 +1,4 @@
-"""What a problem is without its excitation and its start: what all problems of a sweep over these have in common."""
+"""The joint without its excitation and its start: the part that all problems of a sweep over these share."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from lapjoint.problem.damping import Damping
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 _KEPT = 64
-"""Number of structures that are kept: problems of one campaign mostly have the same."""
+"""Number of structures that are cached: problems of one campaign mostly share one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Structure:
     """A beam with its supports, stops and damping.
 
-    Equal ones are one object as long as it is kept, so that what is kept by it is found without comparing its parts.
+    Equal ones are one object as long as it is cached: caches keyed by it need not compare its parts.
     """
 
     beam: Beam
@@ -31,22 +31,5 @@ class Structure:
 
 @lru_cache(maxsize=_KEPT)
 def structure_of(beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping) -> Structure:
-    """The structure of these parts.
-
-    Parameters
-    ----------
-    beam : Beam
-        The beam.
-    supports : tuple of Support
-        Its supports.
-    stops : tuple of Stop
-        Its stops.
-    damping : Damping
-        Its damping.
-
-    Returns
-    -------
-    Structure
-        The same object for equal parts, as long as it is kept.
-    """
+    """The structure of these parts: one object for equal parts, as long as it is kept."""
     return Structure(beam, supports, stops, damping)

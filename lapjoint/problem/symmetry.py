@@ -8,31 +8,22 @@ from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
 
 _KEPT = 64
-"""Number of structures whose twins are kept: problems of one sweep, or of one branch, have the same."""
+"""Number of structures whose twins are cached: problems of one sweep, or of one branch, share one."""
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
-    """The twin of each stop on the other side, if the problem is its own mirror image; else None.
+    """For each stop the index of its twin on the other side, if the problem is its own mirror image; else None.
 
-    It is if all forces change sign in half a period, so that none is constant and none repeats after an even part of
-    the period, and if the stops of both sides agree in position, gap and stiffness.
-
-    Parameters
-    ----------
-    problem : Problem
-        Any problem; one without a single excitation frequency has no half period, and so no mirror image.
-
-    Returns
-    -------
-    tuple of int, or None
-        For each stop the index of its twin, as indices into ``problem.stops``.
+    A problem is its own mirror image if all forces change sign in half a period, which excludes constant forces and
+    even harmonics, and if the stops of both sides agree in position, gap and stiffness. A problem without an excitation
+    frequency has no half period, and no mirror image.
     """
-    return _twins(problem.structure) if problem.forces.change_sign else None
+    return stop_twins(problem.structure) if problem.forces.change_sign else None
 
 
 @lru_cache(maxsize=_KEPT)
-def _twins(structure: Structure) -> tuple[int, ...] | None:
-    """The twin of each stop, if both sides agree."""
+def stop_twins(structure: Structure) -> tuple[int, ...] | None:
+    """The twin of each stop on the other side, if both sides agree in position, gap and stiffness; else None."""
     sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
         sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))

@@ -1,4 +1,4 @@
-"""The options of pictures and films: what colours the beam, the scale, the frame of reference, and the size."""
+"""The options of pictures and films: the colours of the beam, the scale, the frame of reference, and the size."""
 
 from __future__ import annotations
 

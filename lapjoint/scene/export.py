@@ -36,11 +36,11 @@ from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_
 from lapjoint.solver import Progress
 
 ROOM = 1_000_000
-"""Bytes that an export leaves free on a disk, for what the formats write besides the values."""
+"""Bytes that an export leaves free on a disk, for headers and tables beside the values."""
 MOST_BYTES, MOST_FILES = 500_000_000, 10_000
-"""Size and number of the files of a motion beyond which they are written only on demand: a folder of a day's work."""
+"""Size, bytes, and number of the files of a motion beyond which files are written only on demand."""
 SAMPLED = 16
-"""Number of frames that are written to learn the size of all."""
+"""Number of frames that are written to estimate the size of all frames."""
 Format = Literal["pvd", "vtkhdf", "xdmf"]
 
 

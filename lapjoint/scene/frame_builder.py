@@ -25,11 +25,11 @@ DEFLECTION, PENETRATION = 0.12, 0.6
 """Largest deflection, as a part of the beam's length, and largest penetration of a stop, as a part of its spring's
 length, in the scale that is chosen by default: visible, while the picture keeps its shape."""
 FARTHEST = 10.0
-"""Largest displacement that is drawn, in lengths of the beam: beyond it nothing could be recognised."""
+"""Largest displacement that is drawn, in lengths of the beam: beyond this the joint cannot be recognised."""
 FEWEST_A_PERIOD = 8
-"""A film with fewer frames in an excitation period says so, because it may show another motion than there is."""
+"""Least number of frames in an excitation period for a film to carry no warning: fewer may show another motion."""
 LONGEST_NAME = 24
-"""Largest number of characters of a name in a picture, for names not to cover the joint."""
+"""Largest number of characters of a name in a picture, so that names do not cover the joint."""
 
 
 class _Shade(NamedTuple):
@@ -51,7 +51,7 @@ _SHADES = {
 }
 
 
-def job_of(
+def drawing_of(
     motion: History | Mapping[str, History],
     times: FloatArray,
     step: float,
@@ -60,34 +60,10 @@ def job_of(
     pace: float,
     output: Path | None,
 ) -> Drawing:
-    """Everything that is drawn of a motion, for the process that draws.
+    """All that is drawn of one motion, or of several side by side, for the process that draws.
 
-    Parameters
-    ----------
-    motion : History or mapping
-        One motion, or several by short names, which stand side by side.
-    times : FloatArray, shape (frames,)
-        Times of the frames, s, ascending.
-    step : float
-        Time between two frames, s; 0 for a picture.
-    look : Look
-        Colours, scale, frame of reference and size.
-    size : tuple of int
-        Width and height where `look` has none, pixels.
-    pace : float
-        Frames a second of a film or window; 0 for a picture.
-    output : Path or None
-        File of the picture or film; None for a window.
-
-    Returns
-    -------
-    Drawing
-        The contents of all frames.
-
-    Raises
-    ------
-    InputError
-        If `look` asks for stresses of a beam without a cross-section, or for a scale that is too large.
+    `times`, (frames,), and `step`, 0 for a picture, are in s; `size`, in pixels, holds where `look` has none; `pace` is
+    in frames a second, 0 for a picture; `output` is None for a window.
     """
     scene, histories = motion_scene(motion), histories_of(motion)
     shade = _SHADES[_colour(look, histories)]
@@ -229,9 +205,9 @@ def _springs(part: Part, values: Values, layout: Layout, scale: float, carried: 
 
 
 def _acting(history: History, times: FloatArray, step: float) -> IntArray:
-    """2 where a stop is closed at a time, 1 where it is closed only within half a step of it, else 0.
+    """2 where a stop is closed at a time, 1 where it is closed only within half a step of it, else 0; (frames, stops).
 
-    The array has the shape ``(frames, stops)``.  The last time also stands for the whole step after it.
+    The last time also stands for the whole step after it.
     """
     acts = np.zeros((times.size, len(history.problem.stops)), dtype=np.int64)
     first, last = times - step / 2, times + step / 2

@@ -1,4 +1,4 @@
-"""The times at which a motion is shown: those that a person asks for, or as many as the motion itself needs.
+"""The times at which a motion is shown: those asked for, or as many as the motion needs.
 
 The switches of the contact state are always among them.
 """
@@ -21,35 +21,17 @@ TOLERANCE = 0.01
 _FEWEST = 33
 """Least number of equidistant times at which halving intervals begins."""
 _A_PERIOD = 2
-"""Least number of intervals in a period of the fastest excitation to begin with: fewer see some motions stand still."""
+"""Number of intervals in a period of the fastest excitation to begin with: with fewer, some motions seem at rest."""
 _STATIONS = 33
 """Number of equidistant positions on the beam at which errors are measured."""
 _INSIDE = (0.2, 0.4, 0.6, 0.8)
-"""Parts of an interval at which the error is measured; there are several, so that no inflection hides a curve."""
+"""Fractions of an interval at which its error is measured: several, so that no inflection hides an error."""
 _MARGIN = 0.8
-"""Part of the tolerance that measured errors may take; the rest is for what lies between the measured points."""
+"""Fraction of the tolerance that measured errors may take; the rest allows for errors between the measured places."""
 
 
 def common_time(histories: Sequence[History]) -> tuple[float, float]:
-    """The interval of time that all histories cover.
-
-    Parameters
-    ----------
-    histories : sequence of History
-        The motions.
-
-    Returns
-    -------
-    start : float
-        Its start, s.
-    end : float
-        Its end, s.
-
-    Raises
-    ------
-    InputError
-        If the histories have no time in common.
-    """
+    """The first and the last time that all histories cover, s."""
     start, end = max(h.start for h in histories), min(h.end for h in histories)
     if start > end:
         raise InputError("motion: these motions have no time in common")
@@ -63,29 +45,11 @@ def chosen_times(
     frames: int | None = None,
     tolerance: float | None = None,
 ) -> FloatArray:
-    """The times of the frames: the switches, and the times of one choice of three.
+    """The times of the frames, s, ascending, (n,): the switches, and the times of one choice of three.
 
-    Parameters
-    ----------
-    histories : sequence of History
-        The motions to be shown; the times lie within all of them.
-    times : FloatArray or sequence of float, shape (m,), optional
-        The times themselves, s; the switches between the first and the last of them are added.
-    frames : int, optional
-        Number of equidistant times.
-    tolerance : float, optional
-        As many times as the motion needs, by default with `TOLERANCE`: between two frames, displacement and velocity
-        differ from a straight line by at most this part of their largest value along the beam.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        The times, s, ascending.
-
-    Raises
-    ------
-    InputError
-        If a number is out of its range, or there would be more than `MOST_FRAMES` times.
+    `times` are the times themselves, s; `frames` is a number of equidistant ones.  By default, and with a `tolerance`
+    (`TOLERANCE`), there are as many as the motion needs: between two frames, displacement and velocity differ from a
+    straight line by at most this part of their largest value along the beam.
     """
     if sum(choice is not None for choice in (times, frames, tolerance)) > 1:
         raise InputError("frames: give times, frames or tolerance, and not two of them")
@@ -104,20 +68,7 @@ def chosen_times(
 
 
 def check_frames(frames: int, most: int = MOST_FRAMES) -> None:
-    """Refuse a number of frames that is out of its range.
-
-    Parameters
-    ----------
-    frames : int
-        Number of frames.
-    most : int
-        Largest number that is allowed; the least is 2.
-
-    Raises
-    ------
-    InputError
-        If the number is not allowed.
-    """
+    """Refuse a number of frames below 2 or above `most`."""
     if not 2 <= frames <= most:
         raise InputError(f"frames = {frames}: allowed are 2 to {most}")
 

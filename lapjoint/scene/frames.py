@@ -1,4 +1,4 @@
-"""The contents of pictures and films as numbers and text only, so that another process can draw them."""
+"""The contents of pictures and films as numbers and text, which another process draws."""
 
 from __future__ import annotations
 

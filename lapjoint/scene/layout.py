@@ -1,4 +1,4 @@
-"""The layout of a joint at rest: stations along the beam, and sizes of the parts to which the problem gives none."""
+"""The layout of a joint at rest: stations along the beam, and sizes of parts that the problem leaves open."""
 
 from __future__ import annotations
 
@@ -19,13 +19,7 @@ MOST_POINTS = 100_000
 
 @dataclass(frozen=True)
 class Layout:
-    """The joint at rest.
-
-    Raises
-    ------
-    InputError
-        If the number of stations is out of its range.
-    """
+    """The joint at rest; a number of stations that is out of its range is an `InputError`."""
 
     problem: Problem
     """The joint."""
@@ -88,52 +82,15 @@ class Layout:
         return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
-        """The widest gap on one side of the beam, by which the rail of that side is set off.
-
-        Parameters
-        ----------
-        sign : int
-            1 for the side above the beam, -1 for the side below it.
-
-        Returns
-        -------
-        float
-            The gap, m; 0 where there is no stop.
-        """
+        """The widest gap, m, on the side `sign` of the beam (1: above), by which that side's rail is set off."""
         return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
 
     def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:
-        """Points of the scene from coordinates of this joint.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Positions along the beam, m.
-        y : FloatArray or float, shape (n,) or ()
-            Positions across the beam, m, from the middle of this joint.
-        z : FloatArray or float, shape (n,) or ()
-            Heights above the beam's axis, m.
-
-        Returns
-        -------
-        FloatArray, shape (n, 3)
-            Coordinates in the scene, m.
-        """
+        """Points of the scene, (n, 3), from coordinates along, across and above this joint's axis, m, (n,)."""
         return np.column_stack(np.broadcast_arrays(x, np.asarray(y) + self.offset, z)).astype(float)
 
 
 def check_points(points: int) -> None:
-    """Refuse a number of stations that is out of its range.
-
-    Parameters
-    ----------
-    points : int
-        Number of equidistant stations along a beam.
-
-    Raises
-    ------
-    InputError
-        If it is not 2 to `MOST_POINTS`.
-    """
+    """Refuse a number of stations along a beam that is not 2 to `MOST_POINTS`."""
     if not 2 <= points <= MOST_POINTS:
         raise InputError(f"points = {points}: allowed are 2 to {MOST_POINTS}")

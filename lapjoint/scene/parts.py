@@ -43,7 +43,8 @@ cell value         unit   meaning
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -91,41 +92,35 @@ class Part:
 
     layout: Layout
     """The joint to which the part belongs."""
-    name: str = field(init=False, default="")
-    """Kind of the part, one of `PARTS`."""
-    points: FloatArray = field(init=False, repr=False)
-    """Positions at rest, m, shape ``(points, 3)``."""
-    cells: IntArray = field(init=False, repr=False)
-    """Indices of points, shape ``(cells, corners)``: 2 for lines, 4 for quadrilaterals, 8 for hexahedra."""
 
-    def __post_init__(self) -> None:
-        points, cells = self._mesh()
-        object.__setattr__(self, "name", type(self).__name__.lower())
-        object.__setattr__(self, "points", points)
-        object.__setattr__(self, "cells", cells)
+    @property
+    def name(self) -> str:
+        """Kind of the part, one of `PARTS`."""
+        return type(self).__name__.lower()
 
+    @property
+    def points(self) -> FloatArray:
+        """Positions at rest, m, shape (points, 3)."""
+        return self._mesh[0]
+
+    @property
+    def cells(self) -> IntArray:
+        """Indices of points, shape (cells, corners): 2 for lines, 4 for quadrilaterals, 8 for hexahedra."""
+        return self._mesh[1]
+
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         raise NotImplementedError
 
     def values(self, sample: Sample) -> Values:
-        """The values of the part at the times of a sample; the head of this module lists them with their units.
-
-        Parameters
-        ----------
-        sample : Sample
-            The motion of the joint at ``m`` times.
-
-        Returns
-        -------
-        Values
-            Values at the points and of the cells.
-        """
+        """The values of the part at the `m` times of a sample; the head of this module lists them with their units."""
         raise NotImplementedError
 
 
 class Beam(Part):
     """The axis of the beam."""
 
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         x = self.layout.stations
         first = np.arange(x.size - 1)
@@ -154,6 +149,7 @@ class Beam(Part):
 class Solid(Part):
     """The beam in its true cross-section, which stays plane and at right angles to the axis."""
 
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         section = self.layout.problem.beam.section
         assert section is not None
@@ -185,6 +181,7 @@ class Solid(Part):
 class Stops(Part):
     """The springs of the stops."""
 
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         return _posts(self.layout, self.layout.reach)
 
@@ -208,6 +205,7 @@ class Stops(Part):
 class Gaps(Part):
     """The openings between the beam and each stop."""
 
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         return _posts(self.layout, 0.0)
 
@@ -225,6 +223,7 @@ class Gaps(Part):
 class Base(Part):
     """The base, which shakes the joint: rails above and below, walls at fixed ends, posts under other supports."""
 
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         layout, problem = self.layout, self.layout.problem
         L, far = problem.beam.length, layout.half_depth + layout.reach
@@ -256,20 +255,7 @@ class Base(Part):
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
-    """The parts of a joint: a solid if there is a cross-section, and stops with their gaps if there are stops.
-
-    Parameters
-    ----------
-    layout : Layout
-        The joint at rest.
-    gaps : bool
-        Whether to include the gaps.
-
-    Returns
-    -------
-    tuple of Part
-        The parts.
-    """
+    """The parts of a joint: a solid if there is a cross-section, and stops, with their gaps if asked for."""
     problem = layout.problem
     solid = (Solid(layout),) if problem.beam.section else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()

@@ -16,7 +16,7 @@ from lapjoint.errors import InputError
 from lapjoint.files.writing import completed, unwritable
 from lapjoint.problem import FloatArray
 from lapjoint.scene.appearance import Look
-from lapjoint.scene.frame_builder import job_of
+from lapjoint.scene.frame_builder import drawing_of
 from lapjoint.scene.frame_times import check_frames, common_time
 from lapjoint.scene.frames import Drawing
 from lapjoint.scene.render_process import check_can_show, draw
@@ -68,7 +68,7 @@ def save_picture(
     if at is not None and not start <= at <= end:
         raise InputError(f"at = {at:g}: allowed is a time within the history, {start:g} to {end:g} s")
     time = _telling_time(histories[0], start, end) if at is None else at
-    return _drawn(job_of(motion, np.array([time]), 0.0, look, PICTURE_SIZE, 0.0, Path(path)), Path(path), None)
+    return _drawn(drawing_of(motion, np.array([time]), 0.0, look, PICTURE_SIZE, 0.0, Path(path)), Path(path), None)
 
 
 def save_film(
@@ -115,7 +115,7 @@ def save_film(
     times = _film_times(histories_of(motion), frames)
     pace = _shown_pace(Path(path), pace)
     step = float(times[1] - times[0])
-    return _drawn(job_of(motion, times, step, look, FILM_SIZE, pace, Path(path)), Path(path), progress)
+    return _drawn(drawing_of(motion, times, step, look, FILM_SIZE, pace, Path(path)), Path(path), progress)
 
 
 def show_window(motion: History | Mapping[str, History], *, frames: int = 120, look: Look = DEFAULT) -> None:
@@ -139,7 +139,7 @@ def show_window(motion: History | Mapping[str, History], *, frames: int = 120, l
     """
     check_can_show(None)
     times = _film_times(histories_of(motion), frames)
-    draw(job_of(motion, times, float(times[1] - times[0]), look, PICTURE_SIZE, 25.0, None), None)
+    draw(drawing_of(motion, times, float(times[1] - times[0]), look, PICTURE_SIZE, 25.0, None), None)
 
 
 def _check_ending(path: str | Path, endings: Sequence[str]) -> None:
@@ -177,9 +177,9 @@ def _telling_time(history: History, start: float, end: float) -> float:
 
 
 def _first_largest(values: FloatArray) -> int:
-    """Index of the first of the largest values, shape ``(m,)``: of a motion whose halves mirror each other, the first.
+    """Index of the first of the largest values, (m,): of a motion whose halves mirror each other, the first half's.
 
-    What differs by less than a millionth is taken for equal, for rounding must not choose the picture.
+    Values that differ by less than a millionth are taken as equal, for rounding must not choose the picture.
     """
     return int(np.flatnonzero(values >= (1 - 1e-6) * values.max())[0])
 

@@ -18,21 +18,13 @@ COLOURS = "coolwarm"
 VIEWPOINT = np.array([0.35, -1.0, 0.32])
 """Direction from the middle of the scene to the eye, shape ``(3,)``."""
 GLYPH = 0.55
-"""Mean width of a letter, in sizes of the font, to estimate the width of text before it is drawn."""
+"""Mean width of a letter, in sizes of the font, which estimates the width of text before drawing."""
 TURNS, ROUND = 6, 20
 """Number of turns of a coil, and number of points on each turn."""
 
 
 class Stage:
-    """A drawing with the plotter that draws it.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the picture, film or window.
-    off_screen : bool
-        Whether to draw without a window.
-    """
+    """A drawing with the plotter that draws it, with a window or `off_screen`."""
 
     def __init__(self, drawing: Drawing, off_screen: bool) -> None:
         import pyvista
@@ -52,13 +44,7 @@ class Stage:
             self.image()
 
     def at(self, frame: int) -> None:
-        """Show a frame.
-
-        Parameters
-        ----------
-        frame : int
-            Number of the frame, from 0.
-        """
+        """Show a frame, numbered from 0."""
         for skin, (shown, ids) in zip(self.drawing.skins, self._skins, strict=True):
             if ids is None:
                 shown.copy_from(_tube(skin, frame))

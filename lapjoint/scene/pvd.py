@@ -23,18 +23,7 @@ _CELL_TYPES = {2: "LINE", 4: "QUAD", 8: "HEXAHEDRON"}
 
 
 def grid_of(part: Part) -> Any:
-    """A part at rest as a grid without values.
-
-    Parameters
-    ----------
-    part : Part
-        The part.
-
-    Returns
-    -------
-    pyvista.UnstructuredGrid
-        Its points, m, and its cells.
-    """
+    """A part at rest as a grid without values."""
     import pyvista
 
     kind = getattr(pyvista.CellType, _CELL_TYPES[part.cells.shape[1]])
@@ -42,32 +31,9 @@ def grid_of(part: Part) -> Any:
 
 
 def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.pvd`` and, in the folder NAME beside it, what it lists.
+    """Write ``NAME.pvd`` and the files that it lists, in the folder NAME beside it; returns the list's path.
 
-    Files of an earlier series of this name stay until this one is complete.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    blocks : iterable of Block
-        Its values, block after block.
-    folder : Path
-        Folder of the files.
-    name : str
-        Name of the series.
-    note : str
-        Text that the list holds as a comment.
-
-    Returns
-    -------
-    Path
-        The list, which programs open.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
+    Files of an earlier series of this name stay until this one is complete.  The list holds the note as a comment.
     """
     path = folder / f"{name}.pvd"
     with completed_series(folder, lambda: _remove(folder, name)) as draft:

@@ -19,13 +19,7 @@ from lapjoint.scene.plotter import BRIEF, INK, LIT, SILENT, Stage
 
 
 def draw_picture(drawing: Drawing) -> None:
-    """Draw one frame as PNG.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the picture.
-    """
+    """Draw one frame as PNG."""
     from PIL import Image
 
     assert drawing.output is not None
@@ -34,22 +28,17 @@ def draw_picture(drawing: Drawing) -> None:
 
 
 def draw_film(drawing: Drawing) -> None:
-    """Draw all frames as GIF or MP4.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the film.
-    """
+    """Draw all frames as GIF or MP4."""
     assert drawing.output is not None
     frames = _frames(drawing)
     if drawing.output.suffix.lower() == ".mp4":
-        _save_mp4(frames, drawing)
+        save_mp4(frames, drawing)
     else:
         _save_gif(frames, drawing)
 
 
-def _save_mp4(frames: Any, drawing: Drawing) -> None:
+def save_mp4(frames: Any, drawing: Drawing) -> None:
+    """Write the frames as MP4; `OSError` where the film is not complete."""
     import imageio.v3
     import imageio_ffmpeg
 
@@ -116,11 +105,6 @@ def open_window(drawing: Drawing) -> None:
 
     The process prints ``frame 0`` when the window is open, because VTK ends without a message where it finds no
     display.
-
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the frames.
     """
     stage = Stage(drawing, off_screen=False)
     milliseconds = 1e3 * drawing.times

@@ -29,21 +29,9 @@ NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or ch
 
 
 def draw(drawing: Drawing, progress: Progress | None) -> None:
-    """Draw a drawing in a process of its own, with graphics hardware if there is some, else by software.
+    """Draw in a process of its own, with graphics hardware or else by software.
 
-    Parameters
-    ----------
-    drawing : Drawing
-        The contents of the picture, film or window.
-    progress : callable or None
-        Called with the number of frames done and the number of all.
-
-    Raises
-    ------
-    OutputError
-        If this machine cannot draw, or cannot draw this drawing; the message says what it lacks.
-    OSError
-        If the file cannot be written.
+    Raises `OutputError` if this machine cannot draw; the message says what it lacks.
     """
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
         file = Path(folder) / "drawing.pickle"
@@ -53,17 +41,17 @@ def draw(drawing: Drawing, progress: Progress | None) -> None:
             return
         status, said = 0, ""
         for way in ({}, SOFTWARE):
-            status, said, _ = _run(file, way, len(drawing.captions), progress)
+            status, said, _ = run_process(file, way, len(drawing.captions), progress)
             if status == 0:
                 return
-            if status > 0:  # Python said why: another way would say the same
+            if status > 0:  # Python told the reason, which holds for any way of drawing
                 break
         _explain(status, said)
 
 
 def _draw_window(file: Path) -> None:
     """Open a window.  Once it is open, no end of it is an error: a person or the display closed it."""
-    _, _, opened = _run(file, {}, 1, None)
+    _, _, opened = run_process(file, {}, 1, None)
     if not opened:
         shown = " or ".join(f"{key} = {os.environ[key]!r}" for key in DISPLAYS if os.environ.get(key))
         raise InputError(f"{shown or 'the display'}: no window can be opened there; give a file instead (output)")
@@ -95,7 +83,7 @@ def has_display() -> bool:
     return sys.platform in ("darwin", "win32") or any(os.environ.get(key) for key in DISPLAYS)
 
 
-def _run(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
+def run_process(file: Path, way: dict[str, str], frames: int, progress: Progress | None) -> tuple[int, str, bool]:
     """The exit status of the drawing process, its standard error, and whether it drew any frame."""
     drew = False
     with tempfile.TemporaryFile("w+") as errors:

@@ -54,20 +54,7 @@ class Source(Protocol):
         """Largest penetration of a stop, m."""
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
-        """Sample the motion.
-
-        Parameters
-        ----------
-        layout : Layout
-            The joint at rest, which gives the stations.
-        times : FloatArray, shape (m,)
-            Times within the motion, s; for modes their numbers, from 1.
-
-        Returns
-        -------
-        Sample
-            The motion at these times and stations.
-        """
+        """The motion at the layout's stations and at times, s, (m,); for modes these are their numbers, from 1."""
 
 
 _DERIVATIVES = {"z": (0, 0), "z_x": (1, 0), "z_xx": (2, 0), "z_xxx": (3, 0), "z_t": (0, 1), "z_xt": (1, 1)}

@@ -18,7 +18,7 @@ from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
 from lapjoint.scene.sampled_motion import ModeSeries, Motion, Source
 
 BLOCK = 64
-"""Number of times that are evaluated at once: few enough for the memory, and enough for arrays to be quick."""
+"""Number of times that are evaluated at once: it bounds the memory, and is enough for arrays to be quick."""
 APART = 1.5
 """Clear distance between joints that stand side by side, in breadths of a beam, or in 1/15 of its length if that is
 more."""
@@ -74,20 +74,10 @@ class Scene:
         )
 
     def block(self, times: FloatArray) -> Block:
-        """All values of the scene at some times.
+        """All values of the scene at times, s, (m,); for modes these are their numbers, from 1.
 
-        Beams and solids of the second motion and those after it also carry ``difference``, their displacement less that
+        Beams and solids of the second motion and of later ones also carry ``difference``, their displacement less that
         of the first motion, if both have the same points.
-
-        Parameters
-        ----------
-        times : FloatArray, shape (m,)
-            Times, s; for modes their numbers, from 1.
-
-        Returns
-        -------
-        Block
-            The values of all parts.
         """
         values: list[Values] = []
         whole: Arrays = {}
@@ -101,34 +91,12 @@ class Scene:
         return Block(times, tuple(values), whole)
 
     def blocks(self, times: FloatArray) -> Iterator[Block]:
-        """All values of the scene, in blocks of at most `BLOCK` times.
-
-        Parameters
-        ----------
-        times : FloatArray, shape (m,)
-            Times, s; for modes their numbers, from 1.
-
-        Yields
-        ------
-        Block
-            The values of all parts at the next times.
-        """
+        """All values of the scene at times, s, (m,), in blocks of at most `BLOCK` times."""
         for start in range(0, times.size, BLOCK):
             yield self.block(times[start : start + BLOCK])
 
     def unit(self, name: str) -> str:
-        """The SI unit of a value; a mode's values are per unit of its coordinate, m kg^1/2.
-
-        Parameters
-        ----------
-        name : str
-            Name of the value.
-
-        Returns
-        -------
-        str
-            The unit; ``1`` for a value without one.
-        """
+        """The SI unit of a value, ``1`` if it has none; a mode's values are per unit of its coordinate, m kg^1/2."""
         if name == "angular_frequency":
             return "rad/s"
         unit = UNITS.get(name, "1")
@@ -137,25 +105,9 @@ class Scene:
 
 
 def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> Scene:
-    """The scene of a history, or of several side by side.
+    """The scene of a history, or of several by short names, as in ``{"analytic": a, "fe": b}``, side by side along -y.
 
-    Parameters
-    ----------
-    motion : History or mapping
-        One motion, or several by short names, as in ``{"analytic": a, "fe": b}``; those after the first stand beside
-        it, along -y.
-    points : int
-        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
-
-    Returns
-    -------
-    Scene
-        The scene.
-
-    Raises
-    ------
-    InputError
-        If a name is not allowed, or `points` is out of range.
+    There are `points` equidistant stations along the beam, at least 2; the positions of supports and stops are added.
     """
     named = {"motion": motion} if isinstance(motion, History) else dict(motion)
     for name in named:
@@ -167,23 +119,7 @@ def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> S
 
 
 def histories_of(motion: History | Mapping[str, History]) -> list[History]:
-    """The histories of one motion or several.
-
-    Parameters
-    ----------
-    motion : History or mapping
-        One motion, or several by short names.
-
-    Returns
-    -------
-    list of History
-        The histories, at least one.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-    """
+    """The histories of one motion or several, at least one."""
     if isinstance(motion, History):
         return [motion]
     if not motion:
@@ -194,24 +130,7 @@ def histories_of(motion: History | Mapping[str, History]) -> list[History]:
 def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
     """The scene of the modes of one contact state, which follow one another at the times 1, 2, 3 and so on.
 
-    Parameters
-    ----------
-    problem : Problem
-        The beam and its stops.
-    modes : Modes
-        The modes.
-    points : int
-        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
-
-    Returns
-    -------
-    Scene
-        The scene.
-
-    Raises
-    ------
-    InputError
-        If `points` is out of range.
+    There are `points` equidistant stations along the beam, at least 2; the positions of supports and stops are added.
     """
     scene = Scene((("modes", ModeSeries(problem, modes)),), points)
     _ = scene.layouts
@@ -219,7 +138,7 @@ def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
 
 
 def _compared(part: Part, values: Values, first: Arrays) -> Values:
-    """The values of a part, and, in a later motion, the difference of its displacement from that of the first."""
+    """The values of a part; in a later motion also how its displacement differs from the first motion's."""
     moved = values.point["displacement"]
     if part.name not in ("beam", "solid"):
         return values

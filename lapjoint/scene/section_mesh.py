@@ -29,18 +29,7 @@ class SectionMesh(NamedTuple):
 
 
 def section_mesh(section: Section) -> SectionMesh:
-    """The mesh of a cross-section.
-
-    Parameters
-    ----------
-    section : Rectangle, Circle or Tube
-        The cross-section.
-
-    Returns
-    -------
-    SectionMesh
-        Its mesh; if the cross-section is solid, a line of points lies on the neutral axis.
-    """
+    """The mesh of a cross-section; in a solid one, a line of points lies on the neutral axis."""
     if isinstance(section, Rectangle):
         return _grid(section.breadth / 2 * np.array([-1.0, 1.0]), section.height / 2 * np.array([-1.0, 0.0, 1.0]))
     if isinstance(section, Circle):

@@ -30,31 +30,7 @@ _FIXED = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 
 def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.vtkhdf``; the file takes its name when it is complete.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    blocks : iterable of Block
-        Its values, block after block.
-    folder : Path
-        Folder of the file.
-    name : str
-        Name of the file, without its ending.
-    note : str
-        Text that the file holds as its attribute ``note``.
-
-    Returns
-    -------
-    Path
-        The file.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written.
-    """
+    """Write ``NAME.vtkhdf``, with a note as its attribute; the file takes its name when it is complete."""
     path = folder / f"{name}.vtkhdf"
     parts = [part for _, part in scene.parts]
     with completed(path) as unfinished, h5py.File(unfinished, "w") as file:
@@ -85,7 +61,7 @@ def _write_grid(root: Any, parts: Sequence[Part]) -> None:
 
 
 def _start_steps(root: Any) -> None:
-    """Make the tables of the time steps, still empty; what is fixed has the offset 0 in each step."""
+    """Make the tables of the time steps, still empty; fixed points and cells have the offset 0 in each step."""
     for data in ("PointData", "CellData", "FieldData"):
         root.create_group(data)
         root.create_group(f"Steps/{data}Offsets")
@@ -119,7 +95,7 @@ def _append(root: Any, block: Block, parts: Sequence[Part], scene: Scene) -> Non
 
 
 def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arrays:
-    """The values of all parts side by side, shape ``(number, points or cells of all parts)``.
+    """The values of all parts side by side, shape (number, points or cells of all parts).
 
     Values that a part lacks are NaN, or -1 where they are whole numbers.
     """

@@ -21,32 +21,9 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them.
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first part's file.
 
-    Files of an earlier series of this name stay until this one is complete.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene.
-    blocks : iterable of Block
-        Its values, block after block.
-    folder : Path
-        Folder of the files.
-    name : str
-        Name of the series.
-    note : str
-        A note, for which this format has no place.
-
-    Returns
-    -------
-    Path
-        The file of the first part.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
+    Files of an earlier series of this name stay until this one is complete.  This format has no place for a note.
     """
     names = [f"{name}_{label}.xdmf" for label, _ in scene.parts]
     with completed_series(folder, lambda: _remove(folder, name)) as draft:

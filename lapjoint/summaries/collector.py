@@ -1,15 +1,16 @@
 """Sums over a motion that comes in stretches.
 
-**Means and root mean squares** come from samples: one in each interval of 1 / rate, at a place in it that moves on by
-the golden section.  Any rate gives them without bias, of a periodic motion too; a lower one makes their intervals
-wider, but hardly, where it is not slower than the motion forgets.
+**Means and root mean squares** come from samples: one in each interval of 1 / rate, whose place in the interval moves
+on by the golden section.  Such samples are unbiased at any rate, of a periodic motion too.  A lower rate widens the
+confidence intervals, but hardly, as long as samples are closer than the correlation time of the motion.
 
-**Peaks** of forces are those of the contacts, which a solver finds itself.  Other peaks begin with the largest samples
-of a unit.  Around each that is the largest so far, and around the hardest contact of each stop so far, the motion is
-sampled `FINE` times as closely, and once more around what is largest there.  What is slower than the rate has its true
-peak; of what is faster, a peak that no sample comes near is missed, and the peak is a lower bound.
+**Peaks** of forces are the peaks of the contacts, which a solver finds itself.  Other peaks begin with the largest
+samples of a unit.  Around each sample that is the largest so far, and around the hardest contact of each stop so far,
+the motion is sampled `FINE` times as closely, and once more around the largest of these samples.  A quantity that
+varies more slowly than the rate gets its true peak.  Of a faster one a peak between samples may be missed, so that the
+peak found is a lower bound.
 
-**Contacts** are counted where they begin, once, though the end of a stretch may cut them.
+**Contacts** are counted once, in the unit in which they begin, even where the end of a stretch cuts them.
 """
 
 from __future__ import annotations
@@ -23,30 +24,20 @@ import numpy as np
 from lapjoint.answers.history import Contact, History
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.distributions import bins_of
-from lapjoint.summaries.quantities import IndexArray, Selection
+from lapjoint.summaries.quantities import IndexArray, Selection, keep_largest
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 FINE = 8
-"""Times between two samples at which a peak is looked for."""
+"""Factor by which sampling is refined around a peak."""
 AT_ONCE = 1024
-"""Times that are evaluated at once, so that what is held for them stays small."""
+"""Largest number of times that are evaluated at once, to bound the memory."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
-    """One time in each interval of 1 / rate, counted from 0, a few at once.
+    """One time, s, in each interval of 1 / rate, counted from 0, from `start` to before `end`; `AT_ONCE` together.
 
-    Parameters
-    ----------
-    rate : float
-        Samples a second, Hz.
-    start, end : float
-        First time, s, and the time before which all lie.
-
-    Yields
-    ------
-    FloatArray, shape (m,)
-        `AT_ONCE` of the times or fewer, s, ascending; the times do not depend on how a motion is cut.
+    The times do not depend on how a motion is cut into stretches.
     """
     last = math.ceil(end * rate)
     for first in range(math.floor(start * rate), last, AT_ONCE):
@@ -58,20 +49,9 @@ def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
 
 
 class Collector:
-    """The sums of a motion, stretch after stretch.
+    """The sums of a motion, stretch after stretch, without its first `settle` seconds.
 
-    Parameters
-    ----------
-    selection : Selection
-        What is summarised, and where.
-    settle : float
-        The start of the motion that is left out, s.
-    duration : float
-        Until when the motion lasts, s.
-    units : int
-        Number of units that the rest is cut in.
-    rate : float
-        Samples a second, Hz.
+    The rest, up to `duration`, s, is cut into `units`; samples are taken at a rate, Hz.
     """
 
     def __init__(self, selection: Selection, settle: float, duration: float, units: int, rate: float) -> None:
@@ -82,18 +62,12 @@ class Collector:
         )
         self._edges = np.linspace(settle, duration, units + 1)
         self._going: dict[int, _Going] = {}
-        """Contacts that go on over the end of a stretch, by their stops."""
+        """Contacts that last beyond the end of a stretch, by stop."""
         self._hardest = np.zeros((units, self._stops))
-        """Largest peak force of the contacts around which the motion was looked at, N."""
+        """Largest peak force of the contacts around which the motion was sampled, N, shape (units, stops)."""
 
     def take(self, history: History) -> None:
-        """Add a stretch.
-
-        Parameters
-        ----------
-        history : History
-            It begins where the one before ended.
-        """
+        """Add a stretch, which begins where the last one ended."""
         self._take_contacts(history)
         for unit in range(self._unit_of(history.start), self._unit_of(history.end) + 1):
             lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
@@ -101,13 +75,7 @@ class Collector:
                 self._take_samples(history, unit, lo, hi)
 
     def finish(self) -> Sums:
-        """All sums, when the last stretch is taken; contacts that still go on are cut.
-
-        Returns
-        -------
-        Sums
-            The sums.
-        """
+        """All sums, when the last stretch is taken; contacts that still go on are cut."""
         self._add([(going.contact, going.speed, True) for going in self._going.values()])
         self._going = {}
         return self.sums
@@ -126,14 +94,14 @@ class Collector:
             sums.total[unit] += values.sum(axis=-1)
             sums.squares[unit] += np.einsum("qxm,qxm->qx", values, values)
             sums.force_squares[unit] += np.einsum("sm,sm->s", force, force)
-            _keep_largest(values, part, largest, when)
+            keep_largest(values, part, largest, when)
         around = [*self._records(unit, largest, when), *self._hard_contacts(history, unit, lo, hi)]
         sums.peak[unit] = np.maximum(sums.peak[unit], largest)
         if around:
             self._look(history, unit, np.clip(np.concatenate(around), lo, hi))
 
     def _records(self, unit: int, largest: FloatArray, when: FloatArray) -> list[FloatArray]:
-        """Times around the samples that are larger than all before: at the places asked for, and of all places."""
+        """Times around samples larger than all earlier ones, at the places asked for and at the largest place."""
         steps = np.arange(-FINE, FINE + 1) / (FINE * self._rate)
         found = []
         for q, (values, before) in enumerate(zip(largest, self.sums.peak[unit], strict=True)):
@@ -142,7 +110,7 @@ class Collector:
         return found
 
     def _hard_contacts(self, history: History, unit: int, lo: float, hi: float) -> list[FloatArray]:
-        """Times around the hardest contact of each stop, where it is harder than all before."""
+        """Times around the hardest contact of each stop, if it is harder than all earlier ones."""
         found, hardest = {}, self._hardest[unit]
         for contact in history.contacts:
             if lo <= contact.start < hi and contact.peak_force > hardest[contact.stop]:
@@ -151,12 +119,12 @@ class Collector:
         return [contact.start + shares * contact.duration for contact in found.values()]
 
     def _look(self, history: History, unit: int, t: FloatArray) -> None:
-        """Look for peaks at times, s, and once more around those where a quantity is largest."""
+        """Look for peaks at times, s, and once more around the times at which a quantity is largest."""
         for step in (0.0, 1.0 / FINE**2):
             t = np.unique(t)
             largest, when = np.zeros_like(self.sums.peak[unit]), np.zeros_like(self.sums.peak[unit])
             for part in np.split(t, range(AT_ONCE, t.size, AT_ONCE)):
-                _keep_largest(self._selection.values(history, part)[0], part, largest, when)
+                keep_largest(self._selection.values(history, part)[0], part, largest, when)
             around = [] if step else self._records(unit, largest, when)
             self.sums.peak[unit] = np.maximum(self.sums.peak[unit], largest)
             if not around:
@@ -180,7 +148,7 @@ class Collector:
         self._add(done)
 
     def _impact_speeds(self, history: History) -> FloatArray:
-        """Of each contact of a stretch, m/s, shape ``(c,)``."""
+        """Impact speed of each contact of a stretch, m/s, shape (c,)."""
         contacts, stops = history.contacts, history.problem.stops
         if not contacts:
             return np.zeros(0)
@@ -215,7 +183,7 @@ class Collector:
             np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
 
     def _add_time(self, stop: IndexArray, start: FloatArray, end: FloatArray) -> None:
-        """Add the time in contact of contacts, of whose starts and ends, s, all lie within the units."""
+        """Add the time in contact of contacts that start and end, s, within the units."""
         units = self._edges.size - 1
         unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, units - 1)
         while stop.size:
@@ -227,18 +195,18 @@ class Collector:
 
 @dataclass(frozen=True)
 class _Going:
-    """A contact that goes on over the end of a stretch."""
+    """A contact that lasts beyond the end of a stretch."""
 
     contact: Contact
-    """What there is of it."""
+    """Its part up to the end of the stretch."""
     speed: float
     """Its impact speed, m/s."""
     cut: bool
-    """Whether it went on already when the motion began."""
+    """Whether the contact was closed when the motion began."""
 
 
 def _as_one(begun: Contact, rest: Contact) -> Contact:
-    """A contact that the end of a stretch has cut."""
+    """One contact from its two parts on either side of the end of a stretch."""
     return replace(
         begun,
         end=rest.end,
@@ -246,12 +214,3 @@ def _as_one(begun: Contact, rest: Contact) -> Contact:
         peak_force=max(begun.peak_force, rest.peak_force),
         open_end=rest.open_end,
     )
-
-
-def _keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:
-    """Keep the largest magnitude of values, ``(Q, X, m)``, at times, s, ``(m,)``, and its time; both ``(Q, X)``."""
-    size = np.abs(values)
-    at = size.argmax(axis=-1)
-    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
-    more = found > largest
-    largest[more], when[more] = found[more], t[at][more]

@@ -1,6 +1,6 @@
-"""Distributions of contacts in bins of fixed number, which keep the tails: equal ratios, `PER_DECADE` a decade.
+"""Distributions of contacts in a fixed number of bins of equal ratio, `PER_DECADE` a decade, which keep the tails.
 
-How many contacts exceed a bin's edge is known exactly; between edges, which are 12 % apart, it is not.
+The number of contacts beyond a bin's edge is exact; between two edges, which are 12 % apart, it is unknown.
 """
 
 from __future__ import annotations
@@ -15,40 +15,18 @@ IndexArray = npt.NDArray[np.intp]
 PER_DECADE = 20
 """Bins in a factor of ten: each is 12 % wider than the one before."""
 DECADES = (-12, 12)
-"""Exponents of ten of the first and the last edge, in SI units; what lies beyond is in the first or the last bin."""
+"""Exponents of ten of the first and the last edge, in SI units; values beyond are in the first or the last bin."""
 BINS = PER_DECADE * (DECADES[1] - DECADES[0])
 """Number of bins."""
 
 
 def bins_of(values: FloatArray) -> IndexArray:
-    """The bins of positive numbers.
-
-    Parameters
-    ----------
-    values : FloatArray, shape (n,)
-        The numbers, in SI units; those of zero and below are in the first bin.
-
-    Returns
-    -------
-    IndexArray, shape (n,)
-        From 0 to `BINS` - 1; a number on an edge is in the bin above it.
-    """
+    """The bins, from 0 to `BINS` - 1, of values in SI units, both (n,); a value on an edge is in the bin above it."""
     return np.clip(np.searchsorted(_EDGES, values, side="right") - 1, 0, BINS - 1)
 
 
 def edges(first: int, last: int) -> FloatArray:
-    """The edges of bins.
-
-    Parameters
-    ----------
-    first, last : int
-        The first bin, and the last.
-
-    Returns
-    -------
-    FloatArray, shape (last - first + 2,)
-        Ascending, in SI units.
-    """
+    """The edges of the bins from `first` to `last`, SI units, ascending, (last - first + 2,)."""
     return _EDGES[first : last + 2].copy()
 
 

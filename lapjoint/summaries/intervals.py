@@ -2,11 +2,12 @@
 
 A unit is a part of a motion that is long against its correlation, or the whole of one of several realisations.
 
-**Means** of what has either sign: Student's t over the units.  **Root mean squares**, means of what is never negative
-(the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the root of
-the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has no upper
-end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low has a scatter s that is too
-low by more than its share; this scale allows for that, where the logarithm left the truth above one interval in ten.
+**Means** of values of either sign: Student's t over the units.  **Root mean squares**, means of values that are never
+negative (the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the
+root of the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has
+no upper end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low comes with a scatter
+s that is too low by more than its share.  The reciprocal root allows for this; an interval of the logarithm would lie
+below the truth in one case in ten.
 
 **Rare events**, where fewer than half of the units have `FEW` of them: the exact interval of a Poisson count (Garwood,
 Biometrika 28, 1936).  Events that come in clusters are fewer independent ones.  The index of dispersion D of the units'
@@ -26,41 +27,19 @@ from lapjoint.problem import FloatArray
 LEVEL = 0.95
 """Probability that an interval holds the true value."""
 FEW = 5
-"""Events in a unit below which they are rare."""
+"""Number of events in a unit below which events are rare."""
 _TAIL = (1 - LEVEL) / 2
 
 
 def of_mean(units: FloatArray) -> FloatArray:
-    """The interval of a mean.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end; infinite where there are fewer than two units.
-    """
+    """The interval, (..., 2), of a mean, from the means over units, (U, ...); infinite with fewer than two units."""
     middle = units.mean(axis=0)
     half = _half_width(units)
     return np.stack([middle - half, middle + half], axis=-1)
 
 
 def of_positive_mean(units: FloatArray) -> FloatArray:
-    """The interval of the mean of what is never negative.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end; both are zero where all units are.
-    """
+    """The interval, (..., 2), of a mean that is never negative, from the means over units, (U, ...)."""
     middle = units.mean(axis=0)
     size = np.where(middle > 0, middle, 1.0)
     h = _half_width(units) / size / 2
@@ -70,54 +49,19 @@ def of_positive_mean(units: FloatArray) -> FloatArray:
 
 
 def of_rms(units: FloatArray) -> FloatArray:
-    """The interval of a root mean square.
-
-    Parameters
-    ----------
-    units : FloatArray, shape (U, ...)
-        The mean square over each unit.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end, in the unit of the square's root.
-    """
+    """The interval, (..., 2), of a root mean square, from the mean squares over units, (U, ...)."""
     return np.sqrt(of_positive_mean(units))
 
 
 def of_rate(counts: npt.NDArray[np.int64], duration: float) -> FloatArray:
-    """The interval of a number of events a second.
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (U, ...)
-        Events in each unit.
-    duration : float
-        Of a unit, s.
-
-    Returns
-    -------
-    FloatArray, shape (..., 2)
-        Lower and upper end, 1/s.
-    """
+    """The interval, (..., 2), of events a second, from counts in units, (U, ...), of a duration, s."""
     rare = is_rare(counts)
     often = of_positive_mean(counts / duration)
     return np.where(rare[..., None], _of_rare(counts) / (counts.shape[0] * duration), often)
 
 
 def is_rare(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
-    """Whether events are so rare that their counts are far from normally distributed.
-
-    Parameters
-    ----------
-    counts : ndarray of int, shape (U, ...)
-        Events in each unit.
-
-    Returns
-    -------
-    ndarray of bool, shape (...)
-        For each kind of event.
-    """
+    """Whether events are so rare that their counts in units, (U, ...), are far from normally distributed."""
     return np.asarray(np.mean(counts >= FEW, axis=0) < 0.5)
 
 

@@ -1,4 +1,4 @@
-"""From a problem and a solver to sums: how much of a motion is left out, how long a unit is, how many samples."""
+"""How a motion is summarised: the start that is left out, the length of a unit, the rate of samples."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from lapjoint.summaries.quantities import Selection
 from lapjoint.summaries.sums import Sums
 
 SETTLED = 7.0
-"""Decay times of the slowest mode that are left out by default: of the start a thousandth is left then."""
+"""Decay times of the slowest mode that are left out by default: a thousandth of the start remains after them."""
 LONG = 20.0
-"""Least decay times in a unit, for its neighbours to be all but independent."""
+"""Least length of a unit, in decay times of the slowest mode, for neighbouring units to be all but independent."""
 UNITS = 32
-"""Number of units that intervals are made of, all realisations together."""
+"""Number of units of all realisations together, from which intervals follow."""
 ENOUGH = 8
-"""Number of units below which an interval is wide for want of them, and not of motion."""
+"""Number of units below which an interval is wide because there are few units."""
 SAMPLES_A_PERIOD = 16
 """Samples in a period of the slowest mode by default."""
 LEAST_SAMPLES = 4096
-"""Samples of a motion by default, at least."""
+"""Least number of samples of a motion by default."""
 LEAST_IN_UNIT = 16
-"""Samples in a unit, at least."""
+"""Least number of samples in a unit."""
 MOST_SAMPLES = 1e10
-"""Samples of a motion, at most: to take them costs a day."""
+"""Largest number of samples of a motion, which take a day."""
 _MODES = 8
 """Lowest modes of the free joint among which the slowest to decay is looked for."""
 
@@ -42,13 +42,13 @@ class Measure:
     """How a motion is summarised."""
 
     selection: Selection
-    """What, and where."""
+    """The quantities and places."""
     duration: float
-    """Of each motion, s, the start included."""
+    """Duration of each motion, s, the start included."""
     settle: float
-    """The start that is left out, s."""
+    """Duration of the start that is left out, s."""
     units: int
-    """Units of each motion."""
+    """Number of units of each motion."""
     rate: float
     """Samples a second, Hz."""
     decay_time: float
@@ -69,32 +69,10 @@ def measure(
     settle: float | None = None,
     rate: float | None = None,
 ) -> Measure:
-    """How to summarise motions.
+    """How to summarise motions of a duration, s, of which there are `seeds`.
 
-    Parameters
-    ----------
-    selection : Selection
-        What, and where.
-    solver : Solver
-        Gives the modes that tell how fast motions settle.
-    duration : float
-        Of each motion, s.
-    seeds : int
-        Number of realisations.
-    settle : float, optional
-        The start that is left out, s; by default `SETTLED` decay times of the slowest mode.
-    rate : float, optional
-        Samples a second, Hz; by default `SAMPLES_A_PERIOD` in a period of the slowest mode.
-
-    Returns
-    -------
-    Measure
-        All that the sums depend on.
-
-    Raises
-    ------
-    InputError
-        If a number is not allowed, or nothing is left of a motion.
+    By default, `settle` is `SETTLED` decay times of the slowest mode, and there are `SAMPLES_A_PERIOD` in a period of
+    it.
     """
     problem = selection.problem
     problem.check_duration(duration)
@@ -127,31 +105,7 @@ def measure(
 
 
 def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress | None = None) -> Sums:
-    """The sums of one motion.
-
-    Parameters
-    ----------
-    what : Measure
-        How it is summarised.
-    solver : Solver
-        Marches it.
-    problem : Problem
-        The joint, with the realisation of its excitation.
-    progress : callable, optional
-        Called now and then with the time marched and the duration, s.
-
-    Returns
-    -------
-    Sums
-        Over all units.
-
-    Raises
-    ------
-    InputError
-        If the solver cannot treat such a problem.
-    SolverError
-        If the march cannot go on.
-    """
+    """The sums over all units of the motion of a problem with one realisation of its excitation."""
     collector = Collector(what.selection, what.settle, what.duration, what.units, what.rate)
     for stretch in _stretches(solver, problem, what.duration, progress):
         collector.take(stretch)
@@ -159,7 +113,7 @@ def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress 
 
 
 def _stretches(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
-    """The motion in stretches; in one where the solver has no others."""
+    """The motion in stretches; in one stretch where the solver gives no others."""
     if isinstance(solver, Streams):
         yield from solver.stream(problem, duration, progress=progress)
     else:
@@ -169,7 +123,8 @@ def _stretches(solver: Solver, problem: Problem, duration: float, progress: Prog
 def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 where there is none.
 
-    The lowest modes tell: under modal damping of one ratio, and under viscous damping, those above do not decay slower.
+    The lowest modes tell: under modal damping of one ratio, and under viscous damping, higher modes do not decay
+    slower.
     """
     omega = _lowest_modes(problem, solver)
     damping, bends = problem.damping, omega > 1e-6 * omega.max()

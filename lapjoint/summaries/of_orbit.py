@@ -1,12 +1,12 @@
 """Peaks, root mean squares and contact times of a steady state, with their numerical errors.
 
 A periodic motion is sampled over one period: by Gauss's rule between each two switches, in parts so short that its
-fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors are those of the
-impulses: the same numbers of a finer self of the solver, see `lapjoint.orbits.refinement`.
+fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors follow from the
+summary of the motion at a finer resolution, as `lapjoint.orbits.refinement` says.
 
 Of a motion that does not repeat, `WANDERING` excitation periods are summarised, from where it was accepted.  The error
-of a mean or a root mean square is the standard error of the mean over them, with the correlation from period to period;
-of a peak, which would be larger over a longer time, nothing is known.
+of a mean or a root mean square is the standard error of the mean over these periods, which allows for the correlation
+from period to period.  No error of a peak can be stated, because a peak grows with the time that is looked at.
 """
 
 from __future__ import annotations
@@ -22,19 +22,21 @@ from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
-from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, selection
+from lapjoint.summaries.correlated_series import standard_error
+from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
 """Samples of a motion, at most."""
 FINER = 1.5
-"""Times as many samples of the finer motion, at most: the error of too few then shows in the difference, too."""
+"""Factor of `MOST` for the finer motion: the error of too few samples then shows in the difference, too."""
 WANDERING = 128
-"""Excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
+"""Number of excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
 PER_PERIOD = 8.0
-"""Samples in a period of the fastest mode, but for `MOST`: Gauss's rule of four points needs no more."""
+"""Samples in a period of the fastest mode, up to `MOST` in all: Gauss's rule of four points needs no more."""
 _FINE = 16
-"""Times on either side of a sample that is the largest, up to its neighbours."""
+"""Number of times on either side of the largest sample, up to its neighbours, at which the peak is looked for."""
 _AT_ONCE = 4096
+"""Largest number of times that are evaluated at once, to bound the memory."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 OF_STOPS = {
     "force_peak": ("N", "largest force of the stop, its magnitude"),
@@ -42,14 +44,14 @@ OF_STOPS = {
     "contact_time": ("1", "share of time in contact"),
     "contact_rate": ("s-1", "contacts a second"),
 }
-"""What there is of each stop, with units and meaning."""
+"""Values of each stop: unit and meaning."""
 SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS)
-"""Names of all numbers of a summary."""
+"""Names of all values of a summary."""
 
 
 @dataclass(frozen=True)
 class OrbitSummary:
-    """Numbers of a steady state."""
+    """Peaks, root mean squares and contact times of a steady state."""
 
     selection: Selection
     """Quantities and places."""
@@ -57,28 +59,11 @@ class OrbitSummary:
     """By name: ``<quantity>_peak`` and ``<quantity>_rms``, shape ``(X,)``, in the quantity's unit; `OF_STOPS`,
     ``(S,)``."""
     errors: dict[str, FloatArray] | None
-    """Estimates of their numerical errors, of the same shapes; infinite where none can be stated, None where none was
-    made."""
+    """Estimates of the numerical errors of `values`; infinite where none can be stated, None where none was made."""
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
-    """Names of a summary, each once.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of `SUMMARIES`.
-
-    Returns
-    -------
-    tuple of str
-        The names.
-
-    Raises
-    ------
-    InputError
-        If one is unknown.
-    """
+    """Names of a summary, each once; an unknown one is an `InputError`."""
     for name in names:
         if name not in SUMMARIES:
             raise InputError(f"summary {name!r}: is unknown; allowed: {', '.join(SUMMARIES)}")
@@ -86,29 +71,18 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def quantities_of(names: Sequence[str]) -> list[str]:
-    """The quantities that are needed for some numbers of a summary.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Of `SUMMARIES`.
-
-    Returns
-    -------
-    list of str
-        Of `lapjoint.answers.quantities.QUANTITIES`.
-    """
+    """The names of the quantities, of places, that some numbers of a summary need."""
     return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
 
 
 def summarise(
-    found: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
+    steady: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
 ) -> OrbitSummary:
     """Peaks, root mean squares and contact times of a steady state.
 
     Parameters
     ----------
-    found : SteadyState
+    steady : SteadyState
         The steady state.
     at : sequence of float, optional
         Places, m; by default those of the stops and of the ends that no support fixes.
@@ -119,30 +93,30 @@ def summarise(
     Returns
     -------
     OrbitSummary
-        The numbers, and their errors where those of the impulses were estimated.
+        The values, and their errors where errors of the impulses were estimated.
 
     Raises
     ------
     InputError
         If a place is off the beam, or a quantity is unknown or needs what the problem has not.
     """
-    what = selection(found.problem, at=at, quantities=quantities)
-    if not found.period_multiple:
-        return _of_wandering(found, what)
-    values = _of_periods(found.history, what, 1)
+    what = selection(steady.problem, at=at, quantities=quantities)
+    if not steady.period_multiple:
+        return _of_wandering(steady, what)
+    values = _of_periods(steady.history, what, 1)
     means = {name: value[0] for name, value in values.items()}
-    if found.impulse_errors is None:
+    if steady.impulse_errors is None:
         return OrbitSummary(what, means, None)
-    other = found.comparison
+    other = steady.comparison
     if other is None:
         return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
     finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
     orders = {one.name: (one.dx, one.dt) for one in what.quantities}
-    unknown = ~np.isfinite(found.impulse_errors)
+    unknown = ~np.isfinite(steady.impulse_errors)
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
-        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # none of what the stops do
+        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # values of stops are no derivatives
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_STOPS:
@@ -152,12 +126,10 @@ def summarise(
     return OrbitSummary(what, means, errors)
 
 
-def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
+def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
     """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
-    from lapjoint.orbits.exponent import standard_error
-
-    omega = found.problem.require_excitation_frequency("a steady state")
-    history = found.history if found.march_on is None else found.march_on(WANDERING)
+    omega = steady.problem.require_excitation_frequency("a steady state")
+    history = steady.history if steady.march_on is None else steady.march_on(WANDERING)
     periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))
     each = _of_periods(history, what, periods)
     values, errors = {}, {}
@@ -172,13 +144,13 @@ def _of_wandering(found: SteadyState, what: Selection) -> OrbitSummary:
         of_mean = np.array([standard_error(series) if periods >= WANDERING else math.inf for series in means.T])
         size = np.where(values[name] > 0, values[name], 1.0)
         errors[name] = of_mean / (power * size ** (power - 1))
-    return OrbitSummary(what, values, None if found.impulse_errors is None else errors)
+    return OrbitSummary(what, values, None if steady.impulse_errors is None else errors)
 
 
 def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
-    """All numbers over each of so many equal parts of a motion: by name, shape ``(periods, X)`` or ``(periods, S)``.
+    """All values over each of `periods` equal parts of a motion: by name, shape (periods, X) or (periods, S).
 
-    They are made of `MOST` samples at most, times a factor.
+    There are at most `times` `MOST` samples.
     """
     edges = np.linspace(history.start, history.end, periods + 1)
     t, weight, part = _samples(history, edges, times * MOST)
@@ -191,7 +163,7 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
             values, force = what.values(history, t[here])
             squares[p] += (values**2) @ weight[here]
             force_squares[p] += (force**2) @ weight[here]
-            _keep(values, t[here], peaks[p], when[p])
+            keep_largest(values, t[here], peaks[p], when[p])
         _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
     duration = np.diff(edges)[:, None]
     time, count = np.zeros((periods, S)), np.zeros((periods, S))
@@ -212,7 +184,7 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
 
 
 def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArray, FloatArray, IndexArray]:
-    """At most so many times, s, their weights, s, and the part between `edges` of each, shape ``(m,)`` each."""
+    """At most `most` times, s, their weights, s, and the part between `edges` in which each lies, shape (m,) each."""
     ends = np.unique(np.concatenate([edges, history.switch_times]))
     duration = history.end - history.start
     fastest = history.highest_mode or 0.0
@@ -228,22 +200,11 @@ def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArr
 
 
 def _look_closer(history: History, what: Selection, step: float, peaks: FloatArray, when: FloatArray) -> None:
-    """Look around the largest samples of the places asked for, and of all places; all ``(Q, X)``."""
+    """Look around the largest samples at the places asked for and at the largest place; arrays are (Q, X)."""
     steps = step * np.arange(-_FINE, _FINE + 1) / _FINE
-    for q, row in enumerate(peaks):  # each by itself: what else is asked for changes nothing
+    for q, row in enumerate(peaks):  # each by itself, so that a peak does not depend on the other quantities
         middle = when[q, np.union1d(what.asked, [int(np.argmax(row))])]
         t = np.unique(np.clip(middle[:, None] + steps, history.start, history.end))
         alone = Selection(what.problem, (what.quantities[q],), what.places)
         for here in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
-            _keep(alone.values(history, here)[0], here, peaks[q : q + 1], when[q : q + 1])
-
-
-def _keep(values: FloatArray, t: FloatArray, peaks: FloatArray, when: FloatArray) -> None:
-    """Keep the largest magnitudes of values, ``(Q, X, m)``, and their times; both ``(Q, X)``."""
-    if not t.size:
-        return
-    size = np.abs(values)
-    at = size.argmax(axis=-1)
-    found = np.take_along_axis(size, at[..., None], axis=-1)[..., 0]
-    more = found > peaks
-    peaks[more], when[more] = found[more], t[at][more]
+            keep_largest(alone.values(history, here)[0], here, peaks[q : q + 1], when[q : q + 1])

@@ -1,4 +1,4 @@
-"""The sums that are kept of one motion: all that its summary is made of."""
+"""The sums over one motion from which its summary follows."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lapjoint.summaries.distributions import BINS
 
 CountArray = npt.NDArray[np.int64]
 OF_CONTACTS = ("impulse", "peak_force", "contact_duration", "impact_speed")
-"""What there are distributions of: magnitudes, in N s, N, s and m/s."""
+"""Values of a contact that have distributions: magnitudes, in N s, N, s and m/s."""
 
 
 @dataclass
@@ -25,48 +25,33 @@ class Sums:
     """
 
     duration: float
-    """Of a unit, s."""
+    """Duration of a unit, s."""
     samples: CountArray
     """Number of samples, shape ``(U,)``."""
     total: FloatArray
     """Sum of the samples, shape ``(U, Q, X)``."""
     squares: FloatArray
-    """Sum of their squares, shape ``(U, Q, X)``."""
+    """Sum of the squares of the samples, shape ``(U, Q, X)``."""
     peak: FloatArray
     """Largest magnitude, shape ``(U, Q, X)``."""
     force_squares: FloatArray
     """Sum of the squares of the samples of the forces of the stops, N2, shape ``(U, S)``."""
     force_peak: FloatArray
-    """Largest magnitude of the forces, N, shape ``(U, S)``: that of the contacts."""
+    """Largest peak force of the contacts, N, shape ``(U, S)``."""
     contacts: CountArray
     """Number of contacts that begin, shape ``(U, S)``."""
     time_in_contact: FloatArray
-    """s, shape ``(U, S)``."""
+    """Time in contact, s, shape ``(U, S)``."""
     impulse: FloatArray
     """Sum of the impulses of the contacts that begin, N s, top positive, shape ``(U, S)``."""
     largest: FloatArray
-    """Of `OF_CONTACTS`, shape ``(U, S, 4)``."""
+    """Largest value of each of `OF_CONTACTS`, shape ``(U, S, 4)``."""
     counts: CountArray
-    """Contacts in each bin of `OF_CONTACTS`, those that the ends of the motion cut left out, ``(U, S, 4, BINS)``."""
+    """Uncut contacts in each bin of each of `OF_CONTACTS`, shape ``(U, S, 4, BINS)``."""
 
     @classmethod
     def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
-        """The sums of nothing.
-
-        Parameters
-        ----------
-        units : int
-            Number of units.
-        duration : float
-            Of a unit, s.
-        quantities, places, stops : int
-            Their numbers.
-
-        Returns
-        -------
-        Sums
-            All zero.
-        """
+        """Sums of nothing: numbers of units, each of a duration, s, of quantities, places and stops."""
         shape, of_stops = (units, quantities, places), (units, stops)
         return cls(
             duration,
@@ -84,7 +69,7 @@ class Sums:
         )
 
     def plain(self) -> dict[str, Any]:
-        """The same as values that JSON can hold; floats are written exactly, and empty bins are left out."""
+        """The sums as values that JSON can hold; floats are written exactly, and empty bins are left out."""
         found: dict[str, Any] = {}
         for name in _NAMES:
             value = getattr(self, name)
@@ -99,18 +84,7 @@ class Sums:
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> Self:
-        """The sums from what `plain` made of them.
-
-        Parameters
-        ----------
-        plain : dict of str to Any
-            The values.
-
-        Returns
-        -------
-        Sums
-            With the same bits.
-        """
+        """The sums, with the same bits, from the values that `plain` made of them."""
         found: dict[str, Any] = {"duration": plain["duration"]}
         for name in _NAMES[1:]:
             kind = np.int64 if name in _COUNTS else float
@@ -126,18 +100,7 @@ class Sums:
 
     @classmethod
     def joined(cls, parts: Sequence[Sums]) -> Sums:
-        """The units of several motions, one after the other.
-
-        Parameters
-        ----------
-        parts : sequence of Sums
-            The sums of each; their units are as long.
-
-        Returns
-        -------
-        Sums
-            All units.
-        """
+        """The units of several motions, one after the other."""
         arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _NAMES[1:]}
         return Sums(parts[0].duration, **arrays)
 

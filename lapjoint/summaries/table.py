@@ -1,11 +1,14 @@
 """The dataset of statistics: values and intervals, from the sums of units.
 
-Its variables are, of each quantity, over the places ``x``: ``*_mean`` (but of velocities and accelerations, whose means
-are zero in a motion that is stationary), ``*_rms``, ``*_peak`` (the largest of all) and ``*_maximum`` (the mean of the
-largest in a unit); of each stop, over ``stop``: the same of its force, but for the mean, which is the ``impulse_rate``;
-``contact_rate``, and ``contact_time``, the share of time in contact; and of the distributions, over ``stop`` and bins,
-``*_count`` and ``*_exceedance``, how often a second the lower edge of a bin is reached or exceeded.  A value that has
-an interval has another variable beside it, ``*_interval``, over ``bound`` too.
+- Each quantity has, over the places ``x``, ``*_rms``, ``*_peak`` (the largest of all) and ``*_maximum`` (the mean of
+  the largest in a unit).  All but velocities and accelerations, whose means vanish in a stationary motion, have
+  ``*_mean``.
+- Each stop has, over ``stop``, ``force_rms``, ``force_peak``, ``force_maximum``, ``impulse_rate`` (the mean force),
+  ``contact_rate`` and ``contact_time`` (the share of time in contact).
+- Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``, how often a second contacts reach or
+  exceed the lower edge of a bin.
+
+A value with an interval has a second variable, ``*_interval``, over ``bound`` too.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CORRELATED = 0.3
-"""Correlation of units that follow each other from which they are too short: intervals are a third too narrow then."""
+"""Correlation of neighbouring units from which units are too short: intervals are then a third too narrow."""
 MAXIMUM = "mean of the largest magnitude in a unit of time"
 _OF_CONTACTS = {
     "impulse": ("N s", "impulse of a contact, its magnitude"),
@@ -38,20 +41,7 @@ Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 
 
 def table(what: Measure, sums: Sums) -> xr.Dataset:
-    """The dataset of statistics, without what tells whose they are.
-
-    Parameters
-    ----------
-    what : Measure
-        How the motions were summarised.
-    sums : Sums
-        The units of all of them.
-
-    Returns
-    -------
-    xarray.Dataset
-        Values and intervals; see the head of this module.
-    """
+    """The dataset of statistics, without its problem and solver: values and intervals."""
     import xarray as xr
 
     variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums), **_distributions(sums)}
@@ -59,22 +49,7 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
 
 
 def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
-    """What makes the intervals doubtful.
-
-    Parameters
-    ----------
-    what : Measure
-        How the motions were summarised.
-    sums : Sums
-        The units of all of them.
-    realisations : int
-        Number of motions.
-
-    Returns
-    -------
-    list of str
-        A sentence for each doubt.
-    """
+    """A sentence for each reason to doubt the intervals of some number of motions."""
     found, units = [], sums.samples.size
     if units < ENOUGH:
         found.append(
@@ -95,7 +70,7 @@ def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
 
 
 def _correlation(sums: Sums, realisations: int) -> float:
-    """Correlation of the mean squares of units that follow each other, the median of all; 0 where few tell."""
+    """Median correlation of the mean squares of neighbouring units; 0 where there are too few units."""
     units = sums.samples.size // realisations
     if units < ENOUGH:
         return 0.0
@@ -169,7 +144,7 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
 
 
 def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) -> dict[str, Variable]:
-    """The largest of all, and the mean of the largest in a unit, from those of the units."""
+    """The largest of all units, and the mean of the largest in each unit."""
     largest = {"units": units, "long_name": f"largest magnitude of the {text}"}
     return {f"{name}_peak": ((dimension,), peak.max(axis=0), largest)} | _valued(
         f"{name}_maximum",
@@ -207,12 +182,12 @@ def _of_stops(sums: Sums) -> dict[str, Variable]:
     )
     never = counts.sum(axis=0) == 0
     for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
-        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # of what was never seen, nothing is known
+        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # contacts that were never seen tell nothing
     return found
 
 
 def _signed(units: FloatArray) -> FloatArray:
-    """The interval of the mean of what has one sign in all units, shape ``(U, S)``; gives ``(S, 2)``."""
+    """The interval, (S, 2), of the mean of values that have one sign in all units, (U, S)."""
     ends = intervals.of_positive_mean(np.abs(units))
     return np.where((units.sum(axis=0) < 0)[:, None], -ends[:, ::-1], ends)
 

@@ -38,7 +38,7 @@ def alone(omega: float) -> list[bytes]:
     return list(steps(omega))
 
 
-def test_two_joints_of_one_family_marched_in_turn() -> None:
+def test_two_joints_of_one_structure_marched_in_turn() -> None:
     one, other = alone(FREQUENCIES[0]), alone(FREQUENCIES[4])
     forget()
     both = list(zip(steps(FREQUENCIES[0]), steps(FREQUENCIES[4]), strict=True))
@@ -47,9 +47,9 @@ def test_two_joints_of_one_family_marched_in_turn() -> None:
 
 
 def test_states_known_from_other_motions_change_no_bit() -> None:
-    """The memory of a family only grows, and decides only what is filled in beforehand."""
+    """The memory of a structure only grows, and decides only what is filled in beforehand."""
     one = alone(FREQUENCIES[0])
-    memory = known_states.memory_of(Joint(problem(FREQUENCIES[0]), 9, 7).family, (9, 7))
+    memory = known_states.memory_of(Joint(problem(FREQUENCIES[0]), 9, 7).loaded, (9, 7))
     before = memory.known
     for omega in FREQUENCIES[1:]:
         list(steps(omega))
@@ -76,7 +76,7 @@ def test_what_is_kept_cannot_be_written_to() -> None:
     forget()
     joint = Joint(problem(515.0), 5, 5)
     march(joint, Coordinates(*vars(started(joint)).values()), 0.0, 0.02)
-    unit = tables.unit_tables(joint.family, joint.counts, known_states.memory_of(joint.family, joint.counts).known)
+    unit = tables.unit_tables(joint.loaded, joint.counts, known_states.memory_of(joint.loaded, joint.counts).known)
     assert unit.tables.modes.size > 1
     for part in (*unit.tables, *unit[1:]):
         assert not isinstance(part, np.ndarray) or not part.flags.writeable

@@ -31,9 +31,7 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
-
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
-BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
+from tests.helpers.beams import CLAMP, LONG
 
 
 def test_sdnl104_comes_out_as_converged_elsewhere() -> None:
@@ -51,7 +49,7 @@ def test_sdnl104_comes_out_as_converged_elsewhere() -> None:
 @pytest.mark.parametrize("damping", [ModalDamping(ratio=0.08), ViscousDamping(coefficient=30.0), NoDamping()])
 def test_one_mode_before_contact_is_the_textbook_oscillator(damping: object) -> None:
     problem = Problem(
-        beam=BEAM,
+        beam=LONG,
         supports=(CLAMP,),
         damping=damping,
         base_motion=BaseMotion(amplitude=0.01, angular_frequency=40.0),
@@ -119,7 +117,7 @@ def test_velocity_and_acceleration_are_derivatives_of_displacement() -> None:
 def grazing_series() -> list[tuple[float, Problem]]:
     """Gaps that leave 1e-2 ... 1e-9 of the largest free deflection of the tip for penetration."""
     free = Problem(
-        beam=BEAM, supports=(CLAMP,), base_motion=BaseMotion(amplitude=1e-3, angular_frequency=70.0),
+        beam=LONG, supports=(CLAMP,), base_motion=BaseMotion(amplitude=1e-3, angular_frequency=70.0),
         damping=ModalDamping(ratio=0.02),
     )  # fmt: skip
     history = analytic.Solver(n_modes=12).simulate(free, 0.5)
@@ -166,7 +164,7 @@ def test_a_mirrored_problem_has_the_mirrored_answer(side: str) -> None:
     stop = Stop(x=1.4, side="top" if side == "top" else "bottom", gap=1e-3, stiffness=1e6)
     phase = 0.0 if side == "top" else math.pi
     problem = Problem(
-        beam=BEAM,
+        beam=LONG,
         supports=(CLAMP,),
         stops=(stop,),
         damping=ModalDamping(ratio=0.05),
@@ -211,7 +209,7 @@ ODD = {
 @pytest.mark.parametrize("name", ODD)
 def test_odd_problems_keep_to_their_gaps(name: str) -> None:
     base = Problem(
-        beam=BEAM,
+        beam=LONG,
         supports=(CLAMP,),
         stops=(
             Stop(x=2.0, side="top", gap=2e-3, stiffness=1e5),

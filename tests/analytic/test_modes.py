@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from analytic.march.joint import Joint
-from analytic.modes import beam_functions, normal_modes
 from analytic.modes.beam_functions import gram, integral, squares
 from analytic.modes.boundary_conditions import BAND
-from analytic.modes.characteristic_equation import layout_of
-from analytic.modes.normal_modes import _null_space_of_band, exact_modes
+from analytic.modes.characteristic_equation import frequencies, layout_of
+from analytic.modes.normal_modes import elastic_shapes, exact_modes, null_space_of_band, null_vectors
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
+from tests.helpers.beams import CLAMP, LONG
 
-BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
 PROBLEMS = {
     "free": (),
     "pinned": (Support(x=0.3, translational=math.inf),),
@@ -32,11 +31,11 @@ PROBLEMS = {
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_modes_are_orthonormal(name: str) -> None:
-    problem = Problem(beam=BEAM, supports=PROBLEMS[name])
+    problem = Problem(beam=LONG, supports=PROBLEMS[name])
     shapes = exact_modes(problem, FREE, 60).shapes
     # (16), (18).  Within a cluster of frequencies 1e-7 apart the null vectors hold nine digits.
     tolerance = 1e-9 if "nearly" in name else 1e-11
-    np.testing.assert_allclose(BEAM.m * gram(shapes, shapes), np.eye(60), atol=tolerance)
+    np.testing.assert_allclose(LONG.m * gram(shapes, shapes), np.eye(60), atol=tolerance)
 
 
 def test_closed_form_inner_products_agree_with_quadrature() -> None:
@@ -53,16 +52,15 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
 
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_squares_are_the_diagonal_of_all_inner_products(name: str) -> None:
-    shapes = exact_modes(Problem(beam=BEAM, supports=PROBLEMS[name]), FREE, 40).shapes
+    shapes = exact_modes(Problem(beam=LONG, supports=PROBLEMS[name]), FREE, 40).shapes
     np.testing.assert_allclose(squares(shapes), np.diag(gram(shapes, shapes)), rtol=1e-13)
 
 
-def test_boundary_terms_and_integrals_of_exponentials_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_boundary_terms_and_integrals_of_exponentials_agree() -> None:
     problem = paper_joint()
     one, other = (exact_modes(problem, state, 50).shapes for state in (ContactState((0,)), ContactState((1, 2))))
-    by_parts = gram(one, other)
-    monkeypatch.setattr(beam_functions, "_NEAR", 2.0)  # of the larger mu^4: every pair counts as close
-    np.testing.assert_allclose(by_parts, gram(one, other), atol=1e-13 / problem.beam.m)
+    every_pair = 2.0  # of the larger mu^4
+    np.testing.assert_allclose(gram(one, other), gram(one, other, near=every_pair), atol=1e-13 / problem.beam.m)
 
 
 def test_a_long_beam_has_a_rigid_body_mode() -> None:
@@ -75,19 +73,19 @@ def test_a_long_beam_has_a_rigid_body_mode() -> None:
 
 def test_a_matrix_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
     singular = np.array([[[1.0, 2.0, 0.0], [2.0, 4.0, 0.0], [0.0, 0.0, 1.0]]])
-    (vector,) = normal_modes._null_vectors(singular)
+    (vector,) = null_vectors(singular)
     np.testing.assert_allclose(np.abs(vector), np.array([2.0, 1.0, 0.0]) / math.sqrt(5), atol=1e-13)
 
 
 def test_no_rule_of_signs_is_continuous() -> None:
     """Followed around the spring amid two pins at which the first two frequencies meet, a shape changes its sign."""
-    L, x = BEAM.length, np.linspace(0, BEAM.length, 41)
+    L, x = LONG.length, np.linspace(0, LONG.length, 41)
     pins = tuple(Support(x=at, translational=math.inf) for at in (0.0, L))
-    crossing = 4 * (2 * math.pi) ** 3 / math.tanh(math.pi) * BEAM.EI / L**3
+    crossing = 4 * (2 * math.pi) ** 3 / math.tanh(math.pi) * LONG.EI / L**3
     followed: list[np.ndarray] = []
     for angle in np.linspace(0.0, 2 * math.pi, 49):
         stiffness, place = crossing * math.exp(0.5 * math.cos(angle)), L / 2 + 0.04 * L * math.sin(angle)
-        problem = Problem(beam=BEAM, supports=(*pins, Support(x=place, translational=stiffness)))
+        problem = Problem(beam=LONG, supports=(*pins, Support(x=place, translational=stiffness)))
         modes = exact_modes(problem, FREE, 2)
         assert modes.omega[1] > 1.01 * modes.omega[0]
         shapes = modes.shapes(x)
@@ -110,8 +108,8 @@ def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
 
 
 def test_shapes_meet_the_conditions_13a_to_13h() -> None:
-    problem = Problem(beam=BEAM, supports=PROBLEMS["general (Figure 1)"])
-    shapes, EI = exact_modes(problem, FREE, 20).shapes, BEAM.EI
+    problem = Problem(beam=LONG, supports=PROBLEMS["general (Figure 1)"])
+    shapes, EI = exact_modes(problem, FREE, 20).shapes, LONG.EI
     eps = 1e-12
 
     def at(x: float, d: int) -> np.ndarray:
@@ -157,7 +155,6 @@ def test_frequencies_of_all_nine_states_interlace_the_free_ones() -> None:
         assert np.all(omega <= free[len(state.closed) : 10 + len(state.closed)] * (1 + 1e-14))
 
 
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 ENDS = {
     "clamped": (CLAMP,),
     "clamped, on a spring at the tip": (CLAMP, Support(x=2.0, translational=3e5, torsional=1e4)),
@@ -172,7 +169,7 @@ def test_modes_keep_their_sign_as_a_stop_at_the_tip_stiffens(ends: str) -> None:
     x, previous = np.linspace(0, 2, 41), None
     for k in 1e3 * 1.3 ** np.arange(44):  # up to 1e8 N/m: 8000 times the beam's EI / L^3
         stops = (Stop(x=2.0, side="top", gap=1e-3, stiffness=k),)
-        shapes = exact_modes(Problem(beam=BEAM, supports=ENDS[ends], stops=stops), ContactState((0,)), 6).shapes(x)
+        shapes = exact_modes(Problem(beam=LONG, supports=ENDS[ends], stops=stops), ContactState((0,)), 6).shapes(x)
         if previous is not None:
             assert np.all((previous * shapes).sum(axis=1) >= 0.0)
         previous = shapes
@@ -185,7 +182,7 @@ def test_modes_without_contact_keep_their_sign_as_a_support_stiffens(change: str
         tip, root = (0.0, k) if "clamp" in change else (k, math.inf)
         supports = (Support(x=0.0, translational=math.inf, torsional=root),)
         supports += (Support(x=2.0, translational=tip),) if tip else ()
-        shapes = exact_modes(Problem(beam=BEAM, supports=supports), FREE, 6).shapes(x)
+        shapes = exact_modes(Problem(beam=LONG, supports=supports), FREE, 6).shapes(x)
         if previous is not None:
             assert np.all((previous * shapes).sum(axis=1) > 0.0)
         previous = shapes
@@ -203,10 +200,10 @@ SOFT = {
 @pytest.mark.parametrize("x", [0.0, 0.3, 1.1, 2.0])
 def test_modes_keep_their_sign_from_rigid_to_bending(kind: str, x: float) -> None:
     places, previous = np.linspace(0, 2, 21), None
-    for k in [0.0, *BEAM.EI * 10.0 ** np.arange(-13.0, -2.0, 0.5)]:
+    for k in [0.0, *LONG.EI * 10.0 ** np.arange(-13.0, -2.0, 0.5)]:
         if k == 0.0 and kind != "pin and soft torsion":  # without a spring, other motions are rigid
             continue
-        shapes = exact_modes(Problem(beam=BEAM, supports=SOFT[kind](x, k)), FREE, 3).shapes(places)[:2]
+        shapes = exact_modes(Problem(beam=LONG, supports=SOFT[kind](x, k)), FREE, 3).shapes(places)[:2]
         if previous is not None:
             assert np.all((previous * shapes).sum(axis=1) > 0.0), k
         previous = shapes
@@ -215,8 +212,8 @@ def test_modes_keep_their_sign_from_rigid_to_bending(kind: str, x: float) -> Non
 @pytest.mark.parametrize("k", [1e-8, 1.0, 1e9])
 def test_rigid_modes_move_the_tip_upwards_wherever_the_beam_is_held(k: float) -> None:
     for x in np.linspace(0.0, 1.9, 20).tolist():
-        shapes = exact_modes(Problem(beam=BEAM, supports=(Support(x=x, translational=k),)), FREE, 3).shapes
-        assert shapes(np.array([BEAM.length]))[0, 0] > 0.0, x
+        shapes = exact_modes(Problem(beam=LONG, supports=(Support(x=x, translational=k),)), FREE, 3).shapes
+        assert shapes(np.array([LONG.length]))[0, 0] > 0.0, x
 
 
 def with_many_stops(count: int) -> Problem:
@@ -235,18 +232,17 @@ def test_open_stops_cost_nothing_and_change_no_bit() -> None:
     assert np.array_equal(one.shapes(few.stops[1].x * np.ones(1)), other.shapes(few.stops[1].x * np.ones(1)))
 
 
-def test_modes_on_many_spans_are_orthonormal_and_solve_the_same_equations(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_modes_on_many_spans_are_orthonormal_and_solve_the_same_equations() -> None:
     """They are found by the diagonals of a matrix; on few spans, by the whole of it."""
     many = with_many_stops(24)
     state = ContactState(tuple(range(24)))
     modes = exact_modes(many, state, 12)
     assert many.beam.m * gram(modes.shapes, modes.shapes) == pytest.approx(np.eye(12), abs=1e-9)
-    monkeypatch.setattr(normal_modes, "_FEW_SPANS", 100)
-    normal_modes._exact_modes.cache_clear()
-    whole = exact_modes(many, state, 12)
+    layout = layout_of(many, state.closed)
+    whole = elastic_shapes(layout, frequencies(layout, 12), many.beam.length, few_spans=100)
     x = np.linspace(0.0, many.beam.length, 50)
-    assert modes.shapes(x) == pytest.approx(whole.shapes(x), abs=1e-8 * np.abs(whole.shapes(x)).max())
-    normal_modes._exact_modes.cache_clear()
+    values = whole.scaled(np.sign(whole(x)[:, -1] * modes.shapes(x)[:, -1]) / np.sqrt(many.beam.m * squares(whole)))(x)
+    assert modes.shapes(x) == pytest.approx(values, abs=1e-8 * np.abs(values).max())
 
 
 def test_a_band_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
@@ -255,7 +251,7 @@ def test_a_band_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
     exact = np.tile(np.array([0.0] * BAND + [1.0] + [0.0] * BAND)[:, None], (1, size))
     exact[BAND, -1] = 0.0  # the last equation is 0 = 0
     exact[BAND - 1, -1] = values[3]
-    null = _null_space_of_band(exact, 1)[0]
+    null = null_space_of_band(exact, 1)[0]
     assert np.abs(null[:-2]).max() < 1e-12
     assert null[-2] == pytest.approx(-values[3] * null[-1], rel=1e-12)
 

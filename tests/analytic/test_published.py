@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.march.field import ModalField, Part
+from analytic.march.field import ModalField, TimesInState
 from analytic.published.field import PublishedField
 from analytic.published.loss import frozen_part
 from lapjoint import FREE, ContactState, History, InputError, Outcome, ViscousDamping, paper_joint
@@ -73,9 +73,9 @@ def test_without_a_switch_it_is_the_certified_solver_without_its_residual() -> N
     assert isinstance(field, ModalField)
     x, t = np.linspace(0, 2.5, 7), np.linspace(0, 3 * PERIOD, 40)
     every, none = np.arange(t.size), np.zeros(t.size, dtype=np.int64)
-    part = Part(FREE, every, none, np.zeros((8, t.size)), np.zeros((0, t.size)))
+    part = TimesInState(FREE, every, none, np.zeros((8, t.size)), np.zeros((0, t.size)))
     for dx, dt in ((0, 0), (2, 0), (0, 1)):
-        expected = certified.evaluate(x, t, dx, dt) - field._rest(part, x, t, dx, dt)
+        expected = certified.evaluate(x, t, dx, dt) - field.rest(part, x, t, dx, dt)
         np.testing.assert_allclose(published.evaluate(x, t, dx, dt), expected, atol=1e-9 * np.abs(expected).max())
     assert field.joint.state_in(int(field.log.slot[0])) == FREE
 

@@ -11,7 +11,7 @@ import pytest
 import analytic
 from analytic.march import Coordinates, Joint, march, march_linearised
 from analytic.march.initial_state import started
-from analytic.modes.mode_count import default_count, truncation_error
+from analytic.mode_count import default_count, truncation_error
 from lapjoint import ModalDamping, Outcome, ViscousDamping, paper_joint
 from lapjoint.problem import FloatArray
 
@@ -96,12 +96,13 @@ def test_the_criterion_predicts_the_effect_of_more_modes(omega: float) -> None:
         assert 0.03 * predicted[n_modes - 1] < change < 3 * predicted[n_modes - 1]
 
 
-@pytest.mark.parametrize("omega", [515.0, 2950.0, 5000.0])
-def test_the_default_number_of_modes_holds_its_tolerance(omega: float) -> None:
+@pytest.mark.parametrize(("omega", "modes"), [(515.0, 70), (750.0, 60), (2950.0, 70), (5000.0, 70)])
+def test_the_default_number_of_modes_holds_its_tolerance(omega: float, modes: int) -> None:
+    """With 60 modes at 750 rad/s a step of Newton's method leads to a state whose switches crowd within 1e-12 s."""
     problem = paper_joint(angular_frequency=omega)
     assert default_count(problem, 1e-5) < 40
     default = analytic.Solver().steady_state(problem).impulses
-    many = analytic.Solver(n_modes=70).steady_state(problem).impulses
+    many = analytic.Solver(n_modes=modes).steady_state(problem).impulses
     np.testing.assert_allclose(default, many, rtol=3e-5)  # the criterion holds within a factor of 3
 
 
@@ -123,14 +124,6 @@ def test_doubling_the_default_number_of_modes_changes_the_curve_by_less_than_a_t
         curves.append(np.array(curve))
     change = np.abs(curves[1] - curves[0]).max(axis=0)
     assert np.all(change < 1e-3 * np.abs(curves[1]).max(axis=0))
-
-
-def test_a_wild_step_of_newtons_does_not_end_the_search() -> None:
-    # With 60 modes at 750 rad/s a step of Newton's leads to a state whose switches crowd within 1e-12 s.
-    many = analytic.Solver(n_modes=60).steady_state(paper_joint(angular_frequency=750.0))
-    np.testing.assert_allclose(
-        many.impulses, analytic.Solver().steady_state(paper_joint(angular_frequency=750.0)).impulses, rtol=3e-5
-    )
 
 
 def test_a_gap_that_is_never_reached_gives_no_contact() -> None:

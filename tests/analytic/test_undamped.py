@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import analytic
-from lapjoint import Beam, NoDamping, Problem, Stop, Support
+from lapjoint import NoDamping, Problem, Stop
 from lapjoint.answers import History
 from lapjoint.problem import PolynomialShape
+from tests.helpers.beams import CLAMP, UNIT
 
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 FEW_MODES, MANY_MODES = 8, 64
 DURATION = 120.0  # s, of 1.8 s for each cycle of the free cantilever
 
@@ -23,7 +22,7 @@ def drawn(index: int) -> Problem:
     rng = np.random.default_rng((45, index))
     gap = float(rng.uniform(1e-4, 1e-3))
     return Problem(
-        beam=BEAM,
+        beam=UNIT,
         supports=(CLAMP,),
         stops=(
             Stop(x=float(rng.uniform(0.5, 1.0)), side="top", gap=gap, stiffness=float(10 ** rng.uniform(-0.5, 1.5))),

@@ -15,8 +15,8 @@ from population import joint
 
 import analytic
 from lapjoint import Problem, basins, paper_joint
-from lapjoint.campaigns.basin_plan import BasinPlan
-from lapjoint.campaigns.basin_solving import prepared, start_of
+from lapjoint.campaigns.basins.solve import prepared, start_of
+from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.point import section_from
 from lapjoint.orbits import PeriodMap
 from lapjoint.problem.files import from_toml

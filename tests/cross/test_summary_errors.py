@@ -23,7 +23,7 @@ import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, Problem, StepLoad, Stop, Support
 from lapjoint.problem import FloatArray, ViscousDamping
-from lapjoint.summaries import of_orbit
+from lapjoint.summaries import of_orbit, summarise
 from lapjoint.summaries.of_orbit import OF_STOPS, OrbitSummary
 from lapjoint.summaries.quantities import IndexArray
 
@@ -56,12 +56,12 @@ def judged(
     if before is None or truth is None:
         return None
     found = {"analytic": own, "FE": elements.steady_state(problem, sensitivity=False)}
-    last, other = truth.summary(), before.summary()
+    last, other = summarise(truth), summarise(before)
     result = {}
     for solver, steady in found.items():
         if len(steady.history.contacts) != len(truth.history.contacts):
             continue  # another motion
-        summary, columns = steady.summary(), Columns()
+        summary, columns = summarise(steady), Columns()
         assert summary.errors is not None
         for name, values in summary.values.items():
             at = printed(summary, name)
@@ -147,8 +147,8 @@ LASTING = (
 
 @pytest.mark.thorough
 def test_errors_hold_where_light_damping_lets_high_modes_ring() -> None:
-    truth = analytic.Solver().steady_state(LASTING, sensitivity=False).summary()
-    own = fe_lapjoint.Solver().steady_state(LASTING, sensitivity=False).summary()
+    truth = summarise(analytic.Solver().steady_state(LASTING, sensitivity=False))
+    own = summarise(fe_lapjoint.Solver().steady_state(LASTING, sensitivity=False))
     assert own.errors is not None
     assert truth.errors is not None
     for name, error in own.errors.items():
@@ -162,9 +162,9 @@ def test_errors_hold_where_light_damping_lets_high_modes_ring() -> None:
 
 def test_errors_hold_where_samples_are_too_few_for_the_fastest_mode(monkeypatch: pytest.MonkeyPatch) -> None:
     found = analytic.Solver(n_modes=40).steady_state(LASTING, sensitivity=False)
-    exact = found.summary(quantities=["velocity"]).values["velocity_rms"]  # 17 000 samples follow that mode
+    exact = summarise(found, quantities=["velocity"]).values["velocity_rms"]  # 17 000 samples follow that mode
     monkeypatch.setattr(of_orbit, "MOST", 1024)
-    few = found.summary(quantities=["velocity"])
+    few = summarise(found, quantities=["velocity"])
     assert few.errors is not None
     apart = np.abs(few.values["velocity_rms"] - exact)
     assert apart.max() > 1e-9 * exact.max()

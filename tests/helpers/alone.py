@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from threading import Barrier
 from typing import TypeVar
 
+from analytic import mode_count
 from analytic.march import known_states, modal_state, tables
-from analytic.modes import mode_count, normal_modes
+from analytic.modes import normal_modes
 from analytic.published import joint as published
 from fe_lapjoint.modes.assembly import unit_element
 from fe_lapjoint.modes.eigenmodes import _eigenmodes
@@ -23,9 +24,9 @@ OFTEN = 1e-6
 
 def forget() -> None:
     """What a fresh process does not know, of either solver."""
-    ours = (modal_state._family, modal_state._modal_state, modal_state.passage, modal_state._products)
+    ours = (modal_state._loaded_structure, modal_state._modal_state, modal_state.passage, modal_state._products)
     ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
-    ours += (normal_modes._exact_modes, mode_count._parts)
+    ours += (normal_modes._exact_modes, mode_count._modal_sums)
     for known in (*ours, _eigenmodes, unit_element):
         known.cache_clear()
 

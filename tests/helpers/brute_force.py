@@ -21,22 +21,7 @@ _POINTS = np.linspace(0.0, 1.0, 9)[1:-1]  # of a step, at which its cubic is loo
 
 
 def switches(model: Model, end: float, most: int) -> list[tuple[int, float]]:
-    """The first switches of a problem under sampled forces.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on a mesh.
-    end : float
-        Until when, s.
-    most : int
-        How many at most.
-
-    Returns
-    -------
-    list of tuple of int and float
-        The stop, and when it switches, s.
-    """
+    """The first switches under sampled forces until `end`, s, at most `most`: the stop and its time, s, of each."""
     ramps = model.problem.forces.ramps
     assert ramps is not None
     state, found = initial_state(model), []

@@ -25,12 +25,15 @@ def run_well(*arguments: str | Path) -> str:
     return result.stdout
 
 
-def assert_refused(result: Result, message: str) -> None:
+def assert_refused(result: Result, message: str, lines: int | None = None) -> None:
+    """Bad input has a message, perhaps of some lines besides hints, its exit status, and no traceback."""
     assert result.exit_code == (3 if "cannot be written" in result.stderr else 2), result.output
     assert isinstance(result.exception, SystemExit)
     assert message in result.stderr
     assert result.stderr.startswith(("lapjoint: ", "Usage: "))
     assert "Traceback" not in result.output
+    said = [line for line in result.stderr.splitlines() if not line.startswith("lapjoint: hint: ")]
+    assert lines is None or len(said) == lines, said
 
 
 def problem_file(tmp_path: Path, change: str = "", to: str = "") -> Path:

@@ -42,21 +42,7 @@ class Passed:
 
 
 def dense_march(model: Model, state: ContactState, y: FloatArray, period: float, periods: int) -> Passed:
-    """March over some periods of the loads.
-
-    Parameters
-    ----------
-    model : Model
-        The problem on its mesh.
-    state : ContactState
-        The stops that are closed at the start.
-    y : FloatArray, shape (2 n,)
-        Modal displacements and velocities of that state.
-    period : float
-        Of the loads, s.
-    periods : int
-        How many.
-    """
+    """March from (q, q') in the modes of a contact state, ``(2 n,)``, over `periods` periods of the loads, s."""
     switches: list[tuple[int, float]] = []
     for n in range(periods):
         t, last = 0.0, -1
@@ -70,19 +56,10 @@ def dense_march(model: Model, state: ContactState, y: FloatArray, period: float,
 
 
 def fastest_moving(system: System, q: FloatArray, v: FloatArray, t: float) -> float:
-    """Angular frequency, rad/s, of the fastest load, or mode that moves a stop while the contact state lasts.
+    """Angular frequency, rad/s, of the fastest load, or of the fastest mode that moves a stop while the state lasts.
 
-    A mode's own motion is what it has beside its answer to the loads, and its energy never grows: it is at most
-    hypot(q, v / omega) of that.
-
-    Parameters
-    ----------
-    system : System
-        The contact state.
-    q, v : FloatArray, shape (n,)
-        Modal displacements and velocities of that state at a time.
-    t : float
-        That time, s.
+    `q` and `v`, ``(n,)``, are the modal displacements and velocities at time `t`, s.  A mode's own motion is its motion
+    less its answer to the loads; its energy never grows, so its displacement is at most hypot(q, v / omega).
     """
     driven = float(system.driven.max(initial=0.0))
     fast = np.flatnonzero(system.omega > 2 * driven)  # slower ones count in any case

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support
@@ -283,3 +284,20 @@ def towards_graze(resolution: GalerkinResolution, motion: FloatArray) -> CurvePo
     start = nearest(BoundaryProblem(resolution, ContactSequence(FREE), 2, 0.0), motion)
     assert start is not None
     return start if start.tangent[-1] > 0 else start.turned()
+
+
+def marched(arcs: GalerkinArcs, point: CurvePoint, periods: int = 1) -> FloatArray:
+    """The motion some periods after the section, by an integrator that knows of no sequence: the force law alone."""
+    stops, rows = arcs.problem.stops, [arcs.row(k) for k in range(len(arcs.problem.stops))]
+
+    def rate(t: float, y: FloatArray) -> FloatArray:
+        closed = tuple(k for k, stop in enumerate(stops) if stop.sign * float(rows[k] @ y) > stop.gap)
+        state = arcs.state(ContactState(closed))
+        return np.asarray(state.A @ (y - state.forced(t)) + state.forced(t, 1))
+
+    time, start = point.problem.time(point.u), point.u[: point.coordinates]
+    # the force law has kinks where a stop switches: steps must be short there, wherever that is
+    found = solve_ivp(
+        rate, (time, time + periods * arcs.period), start, "DOP853", rtol=1e-9, atol=1e-13, max_step=arcs.period / 400
+    )
+    return np.asarray(found.y[:, -1])

@@ -118,7 +118,7 @@ def stiffened_joint(seed: int, index: int) -> Problem:
 
 
 def lasting_joint(seed: int, index: int) -> Problem:
-    """The same problem as stiffened, with viscous damping, and every second one with a step load.
+    """The problem of `stiffened_joint` with viscous damping, and every second one with a step load.
 
     Every mode's free motion then lasts as long as the first one's, of a ratio of 1e-3 to 0.1.  The load has up to a
     fifth of the base's force, of either sign.
@@ -159,10 +159,10 @@ def stepped_joint(seed: int, index: int) -> Problem:
 
 
 def harmonic_joint(seed: int, index: int) -> Problem:
-    """The same problem, moved by up to four harmonics, of which its own sine is the first, second or third.
+    """The problem of `joint` moved by up to four harmonics, of which its own sine is the first, second or third.
 
-    The others have 0.05 to 0.5 of its acceleration.  In one of four a load of harmonics acts somewhere, too, of up to
-    a third of the base's force.
+    The other harmonics have 0.05 to 0.5 of its acceleration.  In one problem of four a load of harmonics acts
+    somewhere, too, of up to a third of the base's force.
     """
     problem, rng = joint(seed, index), np.random.default_rng((seed, index, 2))
     sine, step = problem.base_motion, 2 if index % 3 == 0 else 1
@@ -190,11 +190,11 @@ def harmonic_joint(seed: int, index: int) -> Problem:
 
 
 def recorded_joint(seed: int, index: int) -> tuple[Problem, float]:
-    """The same problem under a record of the base, for some periods of its own sine; and that time, s.
+    """The problem of `joint` under a record of the base, and a time of some periods of its own sine, s.
 
-    The record is twice that sine with noise, at 0.2 to 200 knots a period, even or uneven.  One joint in four is free
-    to turn or to drift; three in five are damped otherwise, up to ratios of 5, by a viscous coefficient, or not at all.
-    Some have a second record as a load, a constant load, or a sine that is no multiple of anything.
+    The record is twice the sine with noise, at 0.2 to 200 knots a period, even or uneven.  One joint in four is free to
+    turn or to drift; three in five are damped otherwise, up to ratios of 5, by a viscous coefficient, or not at all.
+    Some have a second record as a load, a constant load, or a sine that is no multiple of the joint's frequency.
     """
     problem, rng = joint(seed, index), np.random.default_rng((seed, index, 3))
     sine = problem.base_motion

@@ -58,17 +58,7 @@ class Judgement:
 
 
 def testify(period_map: PeriodMap, steady: SteadyState, decay_time: float) -> Judgement:
-    """March on from where a steady state was accepted, and compare.
-
-    Parameters
-    ----------
-    period_map : PeriodMap
-        The motion of the problem, by the solver that certified it.
-    steady : SteadyState
-        The certificate.
-    decay_time : float
-        1 / min(zeta_i omega_i) of the joint without contact, s.
-    """
+    """March on from the acceptance of a steady state, and compare; `decay_time` is 1 / min(zeta_i omega_i), s."""
     assert steady.acceptance is not None
     ahead = _ahead(period_map, steady, decay_time)
     seen = marched(period_map, steady.acceptance.point, ahead)
@@ -132,10 +122,7 @@ def marched(period_map: PeriodMap, start: SectionPoint, periods: int) -> Seen:
 
 
 def least_repeat(period_map: PeriodMap, points: Sequence[SectionPoint]) -> tuple[int, float]:
-    """After how many periods section points repeat, and how closely; 0, and how closely at best, if they do not.
-
-    Points that jumps of truncated modes leave apart count as the same if they are far nearer than others are.
-    """
+    """The number of periods after which section points repeat, and the distance; 0 and the least if they do not."""
     size = max(period_map.size(point) for point in points)
     returns = np.array(
         [
@@ -158,8 +145,8 @@ def least_repeat(period_map: PeriodMap, points: Sequence[SectionPoint]) -> tuple
 def reached_from_rest(period_map: PeriodMap, steady: SteadyState, decay_time: float) -> str:
     """How a march from the initial state ends elsewhere; empty if it does not, or if none was certified.
 
-    It is the march of `simulate`.  Where it comes through the section point of the acceptance, nothing more is to be
-    said; where the search has pushed it, it may not.
+    The march is that of `simulate`.  Where it comes through the section point of the acceptance, no more is to be said;
+    where the search has pushed it, it may not come through.
     """
     assert steady.acceptance is not None
     if steady.outcome is Outcome.UNDECIDED:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lapjoint import FREE, Beam, History, Material, Rectangle
+from lapjoint.problem.beam import Section
 
 AMPLITUDE = 3e-3  # m
 OMEGA = 2 * math.pi  # rad/s: one period a second
@@ -22,3 +26,17 @@ def swinging(x: NDArray[np.float64], t: NDArray[np.float64], dx: int = 0, dt: in
         -(OMEGA**2) * np.sin(OMEGA * t),
     )[dt]
     return AMPLITUDE * np.outer(shape, wave)
+
+
+def with_section(history: History, section: Section | None = None) -> History:
+    """The motion of a beam with a section, of steel."""
+    section = section or Rectangle(breadth=0.05, height=0.02)
+    beam = Beam(length=1.0, material=Material(youngs_modulus=2e11, density=7800.0), section=section)
+    return replace(history, problem=history.problem.replace(beam=beam))
+
+
+def at_rest(history: History) -> History:
+    """A beam without stops that does not move."""
+    problem = history.problem.replace(stops=())
+    still = np.zeros(0)
+    return History(problem, "", 0.0, 1.0, still, (FREE,), (), lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)))

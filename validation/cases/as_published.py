@@ -17,7 +17,7 @@ from analytic.published.initial_state import started
 from analytic.published.joint import PublishedJoint
 from analytic.published.loss import frozen_part
 from analytic.published.solver import PublishedScheme
-from analytic.published.steady import Search, settling
+from analytic.published.steady import Patience, settling
 from lapjoint import Problem, paper_joint
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml
@@ -66,8 +66,8 @@ def settled(label: str, problem: Problem) -> Iterator[Check]:
     period, stops = 2 * math.pi / problem.excitation_frequency, len(problem.stops)
     joint = PublishedJoint(problem, SCHEME.free_modes, SCHEME.contact_modes)
     most = SCHEME.max_period_multiple
-    effort = Search(SCHEME.tolerance, most, SCHEME.max_periods, SCHEME.patience, SCHEME.shortest)
-    found = settling(joint, started(joint, None), period, effort)
+    how_long = Patience(SCHEME.tolerance, most, SCHEME.max_periods, SCHEME.patience, SCHEME.shortest)
+    found = settling(joint, started(joint, None), period, how_long)
     cycles = len(found.rows)
     after, multiple = first_settled(found.rows, stops, most)
     yield same(f"{label}: cycles until settled", "1", cycles, after, 0.0, "the rule, applied again")

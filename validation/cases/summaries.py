@@ -22,6 +22,7 @@ from lapjoint import History, Problem, statistics
 from lapjoint.answers.series import time_series
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml
+from lapjoint.summaries import summarise
 from validation.case import CaseResult, Level, Say, number, table
 from validation.cases.pinned_beam import LOADED, TRUNCATION, exact
 from validation.cases.rigid_bar import SOFT, SPRINGS
@@ -296,7 +297,7 @@ def steady_without_contact() -> Iterator[Check]:
         "absolute_acceleration": ("m/s2", L, abs(1 - OMEGA**2 * tip) * a),
         "moment": ("N m", 0.0, STEADY.stiffness * abs(root) * a),
     }
-    found = steady.summary(at=[L, 0.0])
+    found = summarise(steady, at=[L, 0.0])
     assert found.errors is not None
     for name, (unit, x, size) in sizes.items():
         at = int(np.argmin(np.abs(found.selection.x - x)))
@@ -312,7 +313,7 @@ def steady_with_contacts() -> Iterator[Check]:
     """Bars between stops: the summaries of their steady states against midpoint sums over their periods."""
     joint = from_toml(SPRINGS.format(stiffness=repr(SOFT)))
     steady = analytic.Solver(n_modes=5).steady_state(joint, sensitivity=False, errors=False)
-    found, motion = steady.summary().values, steady.history
+    found, motion = summarise(steady).values, steady.history
     period = motion.end - motion.start
     t = motion.start + (np.arange(MIDPOINTS) + 0.5) * period / MIDPOINTS
     for k, stop in enumerate(joint.stops):

@@ -32,18 +32,18 @@ ANALYTIC = (
     Fault(
         "analytic-phase-ignored",
         "an input ignored",
-        "analytic:harmonics_of",
+        "analytic:excitation_of",
         "Every load begins at phase zero, whatever its own.",
-        old="np.array([it.phase for it in forces])",
-        new="np.array([0.0 * it.phase for it in forces])",
+        old="np.array([wave.phase for wave in waves])",
+        new="np.array([0.0 * wave.phase for wave in waves])",
     ),
     Fault(
         "analytic-base-load",
         "a factor",
-        "analytic:load_sizes",
+        "analytic:excitation_of",
         "The inertia load of the moving base is a thousandth too large.",
-        old="force.amplitude",
-        new="(1.001 if force.x is None else 1.0) * force.amplitude",
+        old="wave.amplitude",
+        new="(1.001 if wave.x is None else 1.0) * wave.amplitude",
     ),
     Fault(
         "analytic-sine-load-sign",
@@ -128,11 +128,11 @@ ANALYTIC = (
     Fault(
         "analytic-stale-family",
         "a stale cache",
-        "analytic:_family",
+        "analytic:_loaded_structure",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return Family(still, places)",
-        new="key = structure.beam, structure.supports, structure.stops, steps, places\n"
-        "return globals().setdefault('_KEPT', {}).setdefault(key, Family(still, places))",
+        old="return LoadedStructure(still, positions)",
+        new="key = structure.beam, structure.supports, structure.stops, steps, positions\n"
+        "return globals().setdefault('_KEPT', {}).setdefault(key, LoadedStructure(still, positions))",
     ),
     Fault(
         "analytic-initial-velocity",
@@ -185,7 +185,7 @@ ANALYTIC = (
     Fault(
         "analytic-moment",
         "a term dropped",
-        "analytic:ModalField._rest",
+        "analytic:ModalField.rest",
         "Moments and shears lack what the left-out modes carry.",
         old="self.joint.residual_at(part.state, x, dx)",
         new="self.joint.residual_at(part.state, x, dx) * (dx < 2)",

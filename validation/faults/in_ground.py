@@ -136,7 +136,7 @@ GROUND = (
     Fault(
         "symmetry-assumed",
         "a symmetry assumed",
-        "lapjoint:_twins",
+        "lapjoint:stop_twins",
         "A joint is taken for its own mirror image, though the gaps of its sides differ.",
         old="(stop.x, stop.gap, stop.stiffness), k",
         new="(stop.x, 0.0, stop.stiffness), k",
@@ -232,7 +232,7 @@ GROUND = (
     Fault(
         "mirrored-sign",
         "a sign",
-        "lapjoint:Return.matrix",
+        "lapjoint:HalfPeriodMarch.matrix",
         "The derivative of the map over half a period lacks the sign of the mirror.",
         old="-self.linearised.matrix",
         new="self.linearised.matrix",
@@ -272,7 +272,7 @@ GROUND = (
     Fault(
         "course-too-lenient",
         "a certificate too lenient",
-        "lapjoint:Search._on_course",
+        "lapjoint:SteadyStateSearch.on_course",
         "A march may leave the course to an orbit: the search goes on waiting for that orbit, and tries no other.",
         old="_COURSE * self._map.norm(...)",
         new="1e9 * _COURSE * self._map.norm(...)",

@@ -8,10 +8,10 @@ SUMMARIES = (
     Fault(
         "statistics-one-realisation",
         "an input ignored",
-        "lapjoint:Realisations.answer",
+        "lapjoint:solve_realisation",
         "All realisations are the first one.",
-        old="self.realisation(cell)",
-        new="self.realisation(0)",
+        old="spec.realisation(number)",
+        new="spec.realisation(0)",
     ),
     Fault(
         "statistics-rms-less-mean",

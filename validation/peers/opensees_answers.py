@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from lapjoint.solver import Progress
 from validation.peers.opensees_motion import along, history_of
 from validation.peers.opensees_script import mesh
 from validation.peers.process import in_another_process
-
-if TYPE_CHECKING:
-    from validation.peers.opensees import Solver
 
 SCRIPT = "validation.peers.opensees_script"
 HINT = "pip install 'lapjoint[opensees]', and on Debian apt install libblas3 liblapack3"
@@ -57,12 +54,29 @@ class ElementShapes:
         return along(self.nodes, self.vectors, np.asarray(x, dtype=float), derivative).T
 
 
-def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> Modes:
+class Options(Protocol):
+    """The numerical options of `validation.peers.opensees.Solver`, which says what each is."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def elements(self) -> int: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def max_period_multiple(self) -> int: ...
+    @property
+    def max_periods(self) -> int: ...
+    @property
+    def repeats(self) -> float: ...
+
+
+def modes(solver: Options, problem: Problem, state: ContactState, count: int) -> Modes:
     """The lowest modes of a contact state, mass-normalised.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         Its options.
     problem : Problem
         The joint.
@@ -87,12 +101,12 @@ def modes(solver: Solver, problem: Problem, state: ContactState, count: int) -> 
     return Modes(state, omega, ElementShapes(nodes, raw.vectors / sizes))
 
 
-def simulate(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> History:
+def simulate(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> History:
     """The motion from rest.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         Its options.
     problem : Problem
         One that `check_problem` accepts.
@@ -114,12 +128,12 @@ def simulate(solver: Solver, problem: Problem, duration: float, progress: Progre
     return history
 
 
-def steady_state(solver: Solver, problem: Problem, progress: Progress | None) -> SteadyState:
+def steady_state(solver: Options, problem: Problem, progress: Progress | None) -> SteadyState:
     """The motion that remains, as far as a march can tell.
 
     Parameters
     ----------
-    solver : Solver
+    solver : Options
         Its options.
     problem : Problem
         One that `check_problem` accepts, excited at one frequency.

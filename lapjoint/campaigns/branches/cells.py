@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from lapjoint.campaigns.branches.search import Part
 from lapjoint.campaigns.branches.solve import follow_a_little
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
+from lapjoint.campaigns.point import PlainSection
 from lapjoint.solver import Progress, Solver
 
 
@@ -27,15 +28,11 @@ class Found:
 
 @dataclass
 class Parts:
-    """Parts of the work that do not depend on each other: `lapjoint.campaigns.campaign.Cells`.
+    """Parts of the work that do not depend on each other: `lapjoint.campaigns.job.CellSolver`.
 
     Others come to them while workers solve some.
     """
 
-    noun: ClassVar[str] = BranchSpec.noun
-    cells_noun: ClassVar[str] = BranchSpec.cells_noun
-    longest_batch: ClassVar[int] = 1
-    chained: ClassVar[bool] = False
     spec: BranchSpec
     """What is asked, at all values of the second parameter."""
     parts: Mapping[int, Part]
@@ -79,42 +76,18 @@ class Parts:
         self.parts = {other: one for other, one in self.parts.items() if other != cell}
         return part
 
-    @property
-    def solver(self) -> str:
-        """Entry-point name of the solver."""
-        return self.spec.solver
-
-    @property
-    def options(self) -> Mapping[str, Any]:
-        """Numerical options of the solver."""
-        return self.spec.options
-
-    @property
-    def identity(self) -> dict[str, Any]:
-        """That of the whole search."""
-        return self.spec.identity
-
-    @property
-    def fingerprint(self) -> str:
-        """That of the whole search."""
-        return self.spec.fingerprint
-
-    def chains(self) -> Iterator[tuple[int, ...]]:
-        """No part follows another. See `lapjoint.campaigns.campaign.Cells.chains`."""
-        return iter(())
-
     def answer(
-        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
+        self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
     ) -> tuple[Found, None]:
-        """Do a part. See `lapjoint.campaigns.campaign.Cells.answer`."""
+        """Do a part. See `lapjoint.campaigns.job.CellSolver.answer`."""
         return Found(self.parts[cell].solved(self.spec, progress)), None
 
     def point(self, fields: Mapping[str, Any]) -> Found:
-        """A part that is given up. See `lapjoint.campaigns.campaign.Cells.point`."""
+        """A part that is given up. See `lapjoint.campaigns.job.CellSolver.point`."""
         return Found({"starts": [], "points": [], **fields})
 
     def rehearse(self, solver: Solver) -> None:
-        """Have what workers need compiled. See `lapjoint.campaigns.campaign.Rehearses.rehearse`."""
+        """Have what workers need compiled. See `lapjoint.campaigns.job.Rehearses.rehearse`."""
         first = next(iter(self.parts.values()))
         spec = self.spec.at(first.value)
         if first.start is None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from lapjoint.campaigns.branches.spec import BranchSpec
-from lapjoint.campaigns.campaign import Campaign
 from lapjoint.campaigns.journal import Journal
 
 
@@ -18,8 +17,7 @@ class BranchJournal(Journal):
 
     def __init__(self, spec: BranchSpec, out: str | Path, *, force: bool = False) -> None:
         self.parts: dict[str, dict[str, Any]] = {}
-        # Branches have no cells: of a campaign, this journal asks for what it is, and not for what its cells are.
-        super().__init__(cast(Campaign, spec), out, force=force)
+        super().__init__(spec, out, force=force)
 
     def keep(self, name: str, result: dict[str, Any]) -> None:
         """Keep a part: it is on the disk when this returns.

@@ -67,6 +67,12 @@ class Motion:
         """The motion at a multiple of the excitation period."""
         return None if self.point is None else self.point.section()
 
+    @cached_property
+    @in_one_thread
+    def is_stable(self) -> bool:
+        """Whether it is stable, as far as is known: whether no multiplier lies outside the unit circle."""
+        return self.point is None or bool((np.abs(self.point.multipliers) < 1).all())
+
     @in_one_thread
     def lies_on(self, curve: Curve) -> bool:
         """Whether the motion is one of a branch.

@@ -47,6 +47,7 @@ def branch(
     max_points: int = MAX_POINTS,
     effort: int = EFFORT,
     also_over: Axis | None = None,
+    from_grazes: bool = False,
     workers: Workers = 1,
     scheduler: str | None = None,
     out: str | Path | None = None,
@@ -86,6 +87,9 @@ def branch(
     also_over : Axis, optional
         A second number, and the values for which all this is done: bifurcations that go on from value to value lie on
         one locus.
+    from_grazes : bool
+        Whether motions are looked for beside each graze that have its contact every second period alone, or in one half
+        of a motion that mirrored itself.
     workers : int or map-like callable
         Number of processes, -1 for all processors; or a function that maps a function over an iterable.
     scheduler : str, optional
@@ -114,7 +118,7 @@ def branch(
         After Ctrl-C.
     """
     numerics, limits = dict(options or {}), (max_points, effort)
-    how = max_period_multiple, starts, seed, errors, *limits, also_over
+    how = max_period_multiple, starts, seed, errors, *limits, also_over, from_grazes
     spec = BranchSpec(problem, path, first, last, solver, numerics, *how)
     found = None if out is None else stored(spec, out, force=force)
     if found is not None:

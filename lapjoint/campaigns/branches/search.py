@@ -15,6 +15,7 @@ from typing import Any
 from lapjoint.campaigns.branches.known import Curve, Motion
 from lapjoint.campaigns.branches.solve import solve_branch, solve_start
 from lapjoint.campaigns.branches.spec import BranchSpec
+from lapjoint.campaigns.branches.unknown import Reached, reached
 from lapjoint.solver import Progress
 
 _LOOKED_AHEAD = 32
@@ -37,6 +38,11 @@ class Part:
         """What the journal calls it."""
         own = f"{'start' if self.start is None else 'branch'} {self.number}"
         return f"value {self.value}: {own}" if self.value else own
+
+    @property
+    def is_random(self) -> bool:
+        """Whether it is a random start, and not one at an end of the range."""
+        return self.start is None and self.number >= 2
 
     def solved(self, spec: BranchSpec, progress: Progress | None = None) -> dict[str, Any]:
         """What it comes to.
@@ -69,6 +75,8 @@ class Diagram:
     """Why starts, or motions that were found, or branches that spring from others, could not be followed."""
     left_out: int = 0
     """Number of motions whose branches were not followed, as the effort was spent."""
+    reached: Reached = field(default_factory=Reached)
+    """What the random starts led to."""
 
 
 @dataclass(frozen=True)
@@ -79,14 +87,15 @@ class _Waiting:
     """The part of the work that follows it."""
     motion: Motion = field(compare=False)
     """The motion."""
-    mother: int
-    """Number of the part whose branch it was found on; -1 if a start leads to it."""
+    source: Part
+    """The start that leads to it, or the part whose branch it was found on."""
 
     @property
     def kin(self) -> tuple[int, int]:
         """What motions of one branch often have in common: where they come from, and their half periods."""
         assert self.part.start is not None
-        return self.mother, int(self.part.start["half_periods"])
+        mother = -1 if self.source.start is None else self.source.number
+        return mother, int(self.part.start["half_periods"])
 
 
 class Search:
@@ -121,12 +130,15 @@ class Search:
         """Number of points of the branches that have been taken, each counted by its period multiple."""
         self._failures: list[str] = []
         self._left_out: list[_Waiting] = []
+        self._passed: list[tuple[_Waiting, str | None]] = []
+        """Motions whose turn has come, each with the branch that it lies on; None if its branch was not followed."""
 
     @property
     def diagram(self) -> Diagram:
         """What is found so far."""
-        left_out = sum(not self._is_known(one, self._taken) for one in self._left_out)
-        return Diagram(list(self._taken.values()), self._failures, left_out)
+        left_out = [(one, self._branch_of(one, self._taken)) for one in self._left_out]
+        count = sum(branch is None for _, branch in left_out)
+        return Diagram(list(self._taken.values()), self._failures, count, _reached([*self._passed, *left_out]))
 
     def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """Take what has been found, and give what can be done next.
@@ -149,10 +161,13 @@ class Search:
             next_ = self._waiting[0]
             if self._is_spent:
                 self._left_out.append(next_)
-            elif not self._is_known(next_, self._taken):
-                if next_.part.name not in found:
-                    break
-                self._take_branch(next_, found[next_.part.name])
+            else:
+                branch = self._branch_of(next_, self._taken)
+                if branch is None:
+                    if next_.part.name not in found:
+                        break
+                    branch = self._take_branch(next_, found[next_.part.name])
+                self._passed.append((next_, branch))
             self._waiting.remove(next_)
         return self._give(self._chosen(found))
 
@@ -179,7 +194,7 @@ class Search:
         while room > 0:
             kin = {one.kin for one in (*under_way, *chosen)}
             left = (one for one in others if one not in chosen and one.part.name not in {*self._given, *found})
-            free = [one for one in left if not self._is_known(one, {**self._taken, **done})]
+            free = [one for one in left if self._branch_of(one, {**self._taken, **done}) is None]
             if not free:
                 break
             chosen.append(min(free, key=lambda one: one.kin in kin))
@@ -191,29 +206,31 @@ class Search:
         one = found[part.name]
         if one.get("message"):
             self._fail(f"start {part.number} {self._where(self._spec.value_of(part.number))}: {one['message']}")
-        self._wait_for(one["starts"], -1)
+        self._wait_for(one["starts"], part)
 
-    def _take_branch(self, waiting: _Waiting, one: dict[str, Any]) -> None:
-        """Take the branch whose turn has come."""
+    def _take_branch(self, waiting: _Waiting, one: dict[str, Any]) -> str | None:
+        """Take the branch whose turn has come, and give its name; None if it could not be followed."""
         if one.get("message"):
             self._fail(f"a motion {self._where(waiting.motion.start.value)}: {one['message']}")
-            return
+            return None
         self._taken[waiting.part.name] = one
         self._points += _points_of(one)
         for kind, value in one["unsprung"]:
             self._fail(f"{kind} {self._where(value)}: no motion was found of the branch that springs there")
-        self._wait_for(one["starts"], waiting.part.number)
+        self._wait_for(one["starts"], waiting.part)
+        return waiting.part.name
 
-    def _wait_for(self, starts: Sequence[Mapping[str, Any]], mother: int) -> None:
+    def _wait_for(self, starts: Sequence[Mapping[str, Any]], source: Part) -> None:
         """Put motions at the end of the sequence."""
         for start in starts:
             part = Part(self._value, self._number, start)
-            self._waiting.append(_Waiting(part, Motion(self._spec, start), mother))
+            self._waiting.append(_Waiting(part, Motion(self._spec, start), source))
             self._number += 1
 
-    def _is_known(self, waiting: _Waiting, branches: Mapping[str, dict[str, Any]]) -> bool:
-        """Whether a motion lies on one of some branches, by the names of their parts."""
-        return any(self._lies_on(waiting, name, one) for name, one in branches.items() if not one.get("message"))
+    def _branch_of(self, waiting: _Waiting, branches: Mapping[str, dict[str, Any]]) -> str | None:
+        """The one among some branches that a motion lies on, by the name of its part; None if it lies on none."""
+        followed = (name for name, one in branches.items() if not one.get("message"))
+        return next((name for name in followed if self._lies_on(waiting, name, branches[name])), None)
 
     def _lies_on(self, waiting: _Waiting, name: str, branch: Mapping[str, Any]) -> bool:
         key = waiting.part.name, name
@@ -235,6 +252,21 @@ class Search:
         """Keep why something could not be followed, once."""
         if why not in self._failures:
             self._failures.append(why)
+
+
+def _reached(motions: Sequence[tuple[_Waiting, str | None]]) -> Reached:
+    """What random starts led to, of motions each with the branch that it lies on."""
+    stable, others, leads, known = list[str | None](), list[str | None](), dict[str, set[str]](), set[str]()
+    for one, branch in motions:
+        if one.source.is_random:
+            (stable if one.motion.is_stable else others).append(branch)
+        elif branch is None:
+            continue
+        elif one.source.start is None:
+            known.add(branch)
+        else:
+            leads.setdefault(one.source.name, set()).add(branch)
+    return reached(stable, others, leads, known)
 
 
 def _points_of(one: Mapping[str, Any]) -> int:

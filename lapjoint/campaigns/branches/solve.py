@@ -81,7 +81,9 @@ def solve_branch(
     """
     of = range_of(spec)
     try:
-        found = trace(of, start_of(plain), spec.max_period_multiple, Limits(spec.max_points, progress))
+        found = trace(
+            of, start_of(plain), spec.max_period_multiple, Limits(spec.max_points, progress, spec.from_grazes)
+        )
         if found is None:
             return {"starts": [], "points": [], "message": "Newton's method does not find the motion again"}
         return _plain(of, found, spec.errors)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.plan import MOST_STARTS, check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.sweep.spec import MOST_STARTS
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Solver, make_solver
@@ -66,6 +67,8 @@ class BranchSpec:
         is followed; with a second number, at each of its values.
     also_over : Axis, optional
         A second number, and the values for which all this is done; without it, all is done once.
+    from_grazes : bool
+        Whether motions are looked for beside each graze that have its contact every second period alone.
 
     Raises
     ------
@@ -89,6 +92,7 @@ class BranchSpec:
     max_points: int = MAX_POINTS
     effort: int = EFFORT
     also_over: Axis | None = None
+    from_grazes: bool = False
 
     def __post_init__(self) -> None:
         check_integer("max_period_multiple", self.max_period_multiple, 1, MOST_MULTIPLE)
@@ -217,6 +221,7 @@ class BranchSpec:
             "max_points": self.max_points,
             "effort": self.effort,
             "also_over": None if self.also_over is None else {self.also_over.path: list(self.also_over.values)},
+            **({"from_grazes": True} if self.from_grazes else {}),
             "versions": versions(),
         }
 

@@ -18,8 +18,7 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.branches.loci import loci_of
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
-from lapjoint.campaigns.dataset import read_result
-from lapjoint.campaigns.format_version import attributes_of
+from lapjoint.campaigns.dataset import attributes_of, read_result
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point
 
@@ -69,6 +68,7 @@ def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
         **_branches(branches),
         **_not_followed(spec, diagrams),
         **_not_covered(spec, diagrams),
+        **_unknown(spec, diagrams),
     }
     if spec.also_over is not None:
         coordinates |= _second_axis(spec.also_over)
@@ -303,6 +303,39 @@ def _not_covered(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Var
     return variables
 
 
+def _unknown(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
+    """What the random starts led to, and how likely it is that another one leads to an unknown branch."""
+    if not spec.starts:
+        return {}
+    dimensions, rows = () if spec.also_over is None else (spec.also_over.name,), [one.reached for one in diagrams]
+
+    def column(kind: str, text: str, values: Sequence[float | None]) -> Variable:
+        known = np.array([np.nan if one is None else one for one in values], dtype=kind)
+        return dimensions, known if dimensions else known[0], {"units": "1", "long_name": text}
+
+    columns: dict[str, tuple[str, str, list[float | None]]] = {
+        "starts_stable": ("i4", "number of random starts that led to a stable motion", [one.starts for one in rows]),
+        "starts_branches": ("i4", "number of branches that these motions lie on", [one.branches for one in rows]),
+        "starts_alone": (
+            "i4",
+            "number of those branches to which nothing leads but one start",
+            [one.alone for one in rows],
+        ),
+        "unknown_probability": (
+            "f8",
+            "probability that another random start, if it leads to a stable motion, leads to an unknown branch; "
+            "NaN where no start led to a stable motion",
+            [one.probability for one in rows],
+        ),
+        "unknown_probability_bound": (
+            "f8",
+            "what that probability exceeds in about one search of twenty",
+            [one.bound for one in rows],
+        ),
+    }
+    return {name: column(*one) for name, one in columns.items()}
+
+
 def _second_axis(axis: Axis) -> dict[str, Variable]:
     """The values of the second number, as a coordinate."""
     return {axis.name: ((axis.name,), np.array(axis.values), {**_at_value(axis), "path": axis.path})}
@@ -356,6 +389,7 @@ def _attributes(spec: BranchSpec) -> dict[str, Any]:
         max_points=spec.max_points,
         effort=spec.effort,
         **({} if spec.also_over is None else {"also_over": spec.also_over.path}),
+        **({"from_grazes": 1} if spec.from_grazes else {}),
     )
 
 

@@ -3,15 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from lapjoint.campaigns.running import run
+from lapjoint.campaigns.job import Job
+from lapjoint.campaigns.point import PlainSection
+from lapjoint.campaigns.running import run_job, solve_job
 from lapjoint.campaigns.workers import Workers
-from lapjoint.solver import Progress
+from lapjoint.solver import Progress, Solver
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from lapjoint.campaigns.confirm.solve import Confirmed
+    from lapjoint.campaigns.confirm.spec import ConfirmSpec
+
+
+@dataclass(frozen=True)
+class ConfirmJob(Job["ConfirmSpec", "Confirmed"]):
+    """The work on a confirmation; its cells are the bifurcations.
+
+    What imports scipy is imported late, as `lapjoint.campaigns` is imported for much less.
+    """
+
+    longest_batch: ClassVar[int] = 4
+    """Largest number of bifurcations in a batch: each takes some seconds."""
+
+    def answer(
+        self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
+    ) -> tuple[Confirmed, None]:
+        """What the other solver has for a bifurcation."""
+        from lapjoint.campaigns.confirm.solve import solve_bifurcation
+
+        return solve_bifurcation(self.spec, cell), None
+
+    def point(self, fields: Mapping[str, Any]) -> Confirmed:
+        """What came of a bifurcation, from its attributes."""
+        from lapjoint.campaigns.confirm.solve import Confirmed
+
+        return Confirmed(**fields)
+
+    def dataset(self, points: Mapping[int, Confirmed]) -> xr.Dataset:
+        """The dataset of all bifurcations."""
+        from lapjoint.campaigns.confirm.table import confirm_dataset
+
+        return confirm_dataset(self.spec, [points[cell] for cell in range(self.spec.size)])
 
 
 def confirm(
@@ -73,4 +110,18 @@ def confirm(
 
     found = read_branches(branches) if isinstance(branches, str | Path) else branches
     spec = confirm_spec(found, solver, dict(options or {}), share, seed)
-    return run(spec, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+    return run_job(ConfirmJob(spec), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
+
+
+def solve_confirmation(
+    spec: ConfirmSpec,
+    *,
+    workers: Workers = 1,
+    scheduler: str | None = None,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Look for the bifurcations as `confirm` does, and replace what is in `out`."""
+    job = ConfirmJob(spec)
+    return solve_job(job, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)

@@ -11,16 +11,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from lapjoint.campaigns.branches.plain import located_of
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.plan import check_integer, digest_of, versions
-from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.branches.confirmation import Verdict, confirmed
-from lapjoint.orbits.branches.errors import Stated
+from lapjoint.campaigns.identity import check_integer, digest_of, versions
+from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
-from lapjoint.solver import Progress, Solver
+from lapjoint.solver import Solver
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,47 +44,16 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Confirmed:
-    """What the other solver has for a bifurcation."""
-
-    value: float = np.nan
-    """The number, in its SI unit; NaN where it does not find it."""
-    error: float = np.nan
-    """Its error, in the same unit; infinite where none can be stated, NaN where it does not find it."""
-    verdict: Verdict = "not found"
-    """Whether both agree."""
-    message: str = ""
-    """Why there is none."""
-
-
-@dataclass(frozen=True)
 class ConfirmSpec:
-    """Everything that a confirmation depends on.
-
-    Parameters
-    ----------
-    branches : BranchSpec
-        What the file of branches is the result of.
-    rows : tuple of Row
-        Its bifurcations that are looked for.
-    solver : str
-        Entry-point name of the other solver.
-    options : mapping
-        Numerical options of that.
-    share : float
-        Share of the bifurcations that are looked for, drawn at random; 1 for all.
-    seed : int
-        Seed of the draw.
-    """
+    """Everything that a confirmation depends on; most fields are the arguments of `lapjoint.confirm`."""
 
     noun: ClassVar[str] = "confirmation"
     cells_noun: ClassVar[str] = "bifurcations"
-    longest_batch: ClassVar[int] = 4
-    """Largest number of bifurcations in a batch: each takes some seconds."""
-    chained: ClassVar[bool] = False
 
     branches: BranchSpec
+    """What was asked of the search for branches."""
     rows: tuple[Row, ...] = field(repr=False)
+    """The bifurcations that are looked for."""
     solver: str = "fe"
     options: Mapping[str, Any] = field(default_factory=dict)
     share: float = 1.0
@@ -103,44 +69,12 @@ class ConfirmSpec:
         """Number of bifurcations that are looked for."""
         return len(self.rows)
 
-    def chains(self) -> Iterator[tuple[int, ...]]:
-        """None: no bifurcation starts where another ends."""
-        return iter(())
-
     def check(self) -> Solver:
-        """Check all, and make the solver. See `lapjoint.campaigns.campaign.Campaign.check`."""
+        """Check all, and make the other solver; InputError if something is wrong."""
         solver = self.other.check()
         self.branches.check()
         range_of(self.other.at(0))
         return solver
-
-    def answer(
-        self, cell: int, solver: Solver, section: dict[str, Any] | None, progress: Progress | None = None
-    ) -> tuple[Confirmed, None]:
-        """Look for a bifurcation. See `lapjoint.campaigns.campaign.Campaign.answer`."""
-        row = self.rows[cell]
-        if not row.arcs:
-            return Confirmed(message="the file has no motion of it"), None
-        try:
-            what = located_of(range_of(self.branches.at(row.also)), json.loads(row.arcs))
-            if what is None:
-                return Confirmed(message="the first solver does not find it again from the motion in the file"), None
-            found = confirmed(Stated(row.value, row.error, what), range_of(self.other.at(row.also)))
-        except SolverError as error:
-            return Confirmed(message=str(error)), None
-        if found.other is None:
-            return Confirmed(message="the other solver does not find it"), None
-        return Confirmed(float(found.other.value), float(found.other.error), found.verdict), None
-
-    def point(self, fields: Mapping[str, Any]) -> Confirmed:
-        """What came of a bifurcation. See `lapjoint.campaigns.campaign.Campaign.point`."""
-        return Confirmed(**fields)
-
-    def dataset(self, points: Mapping[int, Confirmed]) -> xr.Dataset:
-        """All of them. See `lapjoint.campaigns.campaign.Campaign.dataset`."""
-        from lapjoint.campaigns.confirm.table import confirm_dataset
-
-        return confirm_dataset(self, [points[cell] for cell in range(self.size)])
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -166,30 +100,9 @@ class ConfirmSpec:
 def confirm_spec(
     found: xr.Dataset, solver: str, options: Mapping[str, Any], share: float = 1.0, seed: int = 0
 ) -> ConfirmSpec:
-    """What is asked of the confirmation of a dataset of branches.
+    """What is asked of the confirmation of a dataset of branches; the arguments are those of `lapjoint.confirm`.
 
-    Parameters
-    ----------
-    found : xarray.Dataset
-        The dataset.
-    solver : str
-        Entry-point name of the other solver.
-    options : mapping
-        Numerical options of that.
-    share : float
-        Share of the bifurcations that are looked for, above 0 and at most 1.
-    seed : int
-        Seed of the draw.
-
-    Returns
-    -------
-    ConfirmSpec
-        It, checked.
-
-    Raises
-    ------
-    InputError
-        If a parameter is not allowed, or the dataset has nothing that can be confirmed.
+    InputError is raised if an argument is not allowed, or the dataset has nothing that can be confirmed.
     """
     check_integer("seed", seed, 0, 2**63 - 1)
     if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share <= 1:
@@ -225,6 +138,7 @@ def _spec_of(found: xr.Dataset) -> BranchSpec:
         max_points=int(attrs["max_points"]),
         effort=int(attrs["effort"]),
         also_over=None if second is None else Axis(second.attrs["path"], tuple(second.values.tolist())),
+        from_grazes=bool(attrs.get("from_grazes", False)),
     )
 
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from lapjoint.campaigns.branches.table import KINDS, meanings_of
-from lapjoint.campaigns.format_version import attributes_of
+from lapjoint.campaigns.dataset import attributes_of
 from lapjoint.orbits.branches.confirmation import Verdict
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.confirm.spec import Confirmed, ConfirmSpec
+    from lapjoint.campaigns.confirm.solve import Confirmed
+    from lapjoint.campaigns.confirm.spec import ConfirmSpec
 
 VERDICTS = get_args(Verdict)
 """Names of the verdicts, in the sequence of their codes from 0."""

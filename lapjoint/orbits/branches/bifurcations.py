@@ -27,19 +27,19 @@ Kind = Literal["fold", "flip", "neimark-sacker"]
 _PASSING: dict[Kind, int] = {"fold": 1, "flip": 1, "neimark-sacker": 2}
 """Number of multipliers that pass the unit circle at a bifurcation."""
 _HALVINGS = 8
-"""Largest number of times that a step is halved to tell bifurcations apart, to a 256th, and of looks for a place where
-multipliers meet, of which two or three are needed."""
+"""Largest number of times that a step is halved to tell its bifurcations apart, to a 256th of the step; also the
+largest number of iterations to the place where two multipliers meet, of which two or three are needed."""
 _COUPLED = 0.5
-"""Least part of the way to the unit circle by which two multipliers that meet should part, as the change of the
-derivative in a step has it to first order, that the place where they meet is looked for."""
+"""Least part of the way to the unit circle by which two multipliers that meet must part, to first order, for the place
+to be looked for; to first order the way is known to about a half."""
 _FAINT = 1e-4
-"""Modulus of a multiplier below which its products with others are not near 1: others are below 1e4 then."""
+"""Modulus of a multiplier below which its products with other multipliers are not near 1: all others lie below 1e4."""
 _AT_GRAZE = 1e-5
-"""Arclength between a graze and the nearest motions whose multipliers are asked: at a graze itself the time of a switch
-has no derivative by the section, and multipliers are limits."""
+"""Arclength between a graze and the nearest motions whose multipliers are evaluated: at a graze the time of a switch
+has no derivative by the section, and multipliers exist as limits only."""
 _CRITICAL = 1e-2
-"""Distance from 1 of minus a multiplier at a flip, or of a product at a Neimark-Sacker, at most: beside a graze they
-change by up to 1e6 over an arclength of 1, of which Newton's method leaves 1e-9."""
+"""Largest distance from 1 of minus the multiplier at a flip, or of the product at a Neimark-Sacker bifurcation: beside
+a graze both change by up to 1e6 over an arclength of 1, of which Newton's method leaves 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class Stretch:
     start: CurvePoint
     """The first point."""
     end: CurvePoint
-    """The second, in the direction of the first one's tangent."""
+    """The second point, in the direction of the first point's tangent."""
     length: float
-    """Arclength along the first one's tangent."""
+    """Arclength along the first point's tangent."""
 
 
 @dataclass(frozen=True)
@@ -65,57 +65,25 @@ class Bifurcation:
 
 
 def fold_test(point: CurvePoint) -> float:
-    """The test function of folds.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        A point of a curve.
-
-    Returns
-    -------
-    float
-        Without unit.
-    """
+    """The test function of folds: the parameter's part of the tangent, without unit."""
     return float(point.tangent[-1])
 
 
 def flip_test(point: CurvePoint) -> float:
-    """The test function of flips.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        A point of a curve.
-
-    Returns
-    -------
-    float
-        Without unit: the distance of the nearest multiplier from -1.
-    """
+    """The test function of flips: the distance of the nearest multiplier from -1, with a sign that changes at flips."""
     mu, forwards = point.multipliers, point.tangent[-1] > 0
     is_even = (int((np.abs(mu) > 1).sum()) + int(forwards)) % 2 == 0
     return float(np.abs(1 + mu).min(initial=np.inf)) * (1.0 if is_even else -1.0)
 
 
 def torus_test(point: CurvePoint) -> float:
-    """The test function of Neimark-Sacker bifurcations.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        A point of a curve.
-
-    Returns
-    -------
-    float
-        Without unit: the distance of the nearest product of two multipliers from 1.
-    """
+    """The test function of Neimark-Sacker bifurcations: the distance of the nearest product of two multipliers from 1,
+    signed."""
     return _signed(_pairs(point)[1])
 
 
 def _pairs(point: CurvePoint) -> tuple[ComplexArray, ComplexArray]:
-    """The first multiplier of each pair of those that are not faint, and 1 less the product of the pair."""
+    """The first multiplier of each pair that is not faint, and 1 less the product of the pair."""
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
     i, j = np.triu_indices(mu.size, 1)
@@ -123,7 +91,7 @@ def _pairs(point: CurvePoint) -> tuple[ComplexArray, ComplexArray]:
 
 
 def _signed(factors: ComplexArray) -> float:
-    """The least of some factors in size, with the sign of their product, which is real and may overflow."""
+    """The size of the least factor, with the sign of the product of all factors, which is real and may overflow."""
     sizes = np.abs(factors)
     least = float(sizes.min(initial=np.inf))
     return least * float(np.sign(np.prod(factors / sizes).real)) if 0 < least < np.inf else least
@@ -137,36 +105,16 @@ _TESTS: dict[Kind, Callable[[CurvePoint], float]] = {
 
 
 def test_of(kind: Kind) -> Callable[[CurvePoint], float]:
-    """The test function of a kind of bifurcation.
-
-    Parameters
-    ----------
-    kind : str
-        The kind.
-
-    Returns
-    -------
-    callable
-        Takes a point of a curve, and returns the value.
-    """
+    """The test function of a kind of bifurcation, which takes a curve point."""
     return _TESTS[kind]
 
 
 def within(stretch: Stretch) -> Iterator[Bifurcation]:
-    """The bifurcations in a step of a curve.
+    """The bifurcations in a step of a curve, in the order of their arclengths.
 
-    Test functions change their signs there.  Two bifurcations of a kind within a step undo each other's change: so a
-    step is halved while what is found does not explain which multipliers lie outside the unit circle at its ends.
-
-    Parameters
-    ----------
-    stretch : Stretch
-        The step.
-
-    Yields
-    ------
-    Bifurcation
-        In the order of the arclength.
+    Test functions change their signs there.  Two bifurcations of one kind within a step undo each other's change, so a
+    step is halved while the bifurcations found do not explain which multipliers lie outside the unit circle at its
+    ends.
     """
     start, end = _ends(stretch)
     if start is not None and end is not None:
@@ -202,10 +150,11 @@ def _between(
 def _met(
     stretch: Stretch, start: tuple[float, CurvePoint], end: tuple[float, CurvePoint]
 ) -> tuple[float, CurvePoint] | None:
-    """Where multipliers that meet between two points of a step have left the unit circle, or come into it.
+    """A point where two multipliers that meet in a step have left the unit circle together, or have come into it; else
+    None.
 
     Two multipliers of one modulus that meet may part in modulus for a while, and go on as if they had passed each
-    other: at both points as many lie outside.  Those that meet have exchanged their angles.
+    other: at both ends of the step as many lie outside.  Multipliers that met have exchanged their angles.
     """
     if int((np.abs(start[1].multipliers) > _FAINT).sum()) < 2:
         return None
@@ -241,7 +190,8 @@ def _met(
 
 
 def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArray | None:
-    """The multipliers of a point in the sequence of another one's, by their vectors; None if there is no other one."""
+    """The multipliers of a point, ordered by the vectors of another point's multipliers; None if their numbers
+    differ."""
     mu, own = point.linearisation.modes
     if mu.size != size:
         return None
@@ -253,9 +203,9 @@ def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArra
 
 
 def _explains(found: Sequence[Bifurcation], first: CurvePoint, last: CurvePoint) -> bool:
-    """Whether bifurcations between two points explain which multipliers lie outside the unit circle at both.
+    """Whether the bifurcations between two points explain which multipliers lie outside the unit circle at both points.
 
-    Between neighbouring bifurcations, as many multipliers lie outside at the end as at the start.
+    Between neighbouring bifurcations the number of multipliers outside must not change.
     """
     if _passing(first, last) > sum(_PASSING[one.kind] for one in found):
         return False
@@ -264,7 +214,8 @@ def _explains(found: Sequence[Bifurcation], first: CurvePoint, last: CurvePoint)
 
 
 def _outside(multipliers: ComplexArray, kind: Kind | None = None) -> set[int]:
-    """How many multipliers lie outside the unit circle on either side of a bifurcation, or at a motion of none."""
+    """Number of multipliers outside the unit circle on either side of a bifurcation; without a bifurcation, one
+    number."""
     modulus, critical = np.abs(multipliers), 0 if kind is None else _PASSING[kind]
     if critical > modulus.size:
         return set()
@@ -274,7 +225,8 @@ def _outside(multipliers: ComplexArray, kind: Kind | None = None) -> set[int]:
 
 
 def _passing(first: CurvePoint, last: CurvePoint) -> int:
-    """The number of multipliers that pass the unit circle between two points: the nearest of both are one."""
+    """Number of multipliers that pass the unit circle between two points; each multiplier is followed to its
+    nearest."""
     mu, other = (np.sort_complex(point.multipliers) for point in (first, last))
     if mu.size != other.size:
         return 0
@@ -286,7 +238,7 @@ def _passing(first: CurvePoint, last: CurvePoint) -> int:
 
 
 def _ends(stretch: Stretch) -> tuple[tuple[float, CurvePoint] | None, tuple[float, CurvePoint] | None]:
-    """The first and the last point of a step whose multipliers are known, with their arclengths from the start."""
+    """The first and the last point of a step whose multipliers exist, with their arclengths from the start."""
     start, end = (0.0, stretch.start), (stretch.length, stretch.end)
     return tuple(
         (s, point) if not _at_graze(point) else _with_length(stretch.start, s + way)
@@ -300,7 +252,7 @@ def _with_length(start: CurvePoint, length: float) -> tuple[float, CurvePoint] |
 
 
 def _at_graze(point: CurvePoint) -> bool:
-    """Whether a contact or a flight has no duration, all but for less than the way to the motions that are asked."""
+    """Whether a contact or a flight has no duration, or one too short for the multipliers to be evaluated."""
     returning = np.array(point.problem.sequence.returning, dtype=bool)
     return bool((np.abs(point.shares[:-1])[returning] < SAME).any())
 
@@ -308,18 +260,8 @@ def _at_graze(point: CurvePoint) -> bool:
 def is_critical(kind: Kind, point: CurvePoint) -> bool:
     """Whether the multipliers at a zero of a test function are those of its bifurcation.
 
-    Parameters
-    ----------
-    kind : str
-        The kind of bifurcation.
-    point : CurvePoint
-        The point.
-
-    Returns
-    -------
-    bool
-        False where a multiplier passes infinity, and the test function jumps from one sign to the other, or where the
-        pair whose product is 1 is a real saddle's.
+    They are not where a multiplier passes infinity, so that the test function jumps from one sign to the other, nor
+    where the pair with product 1 is the real pair of a saddle.
     """
     if kind == "fold":
         return True
@@ -335,23 +277,9 @@ def is_critical(kind: Kind, point: CurvePoint) -> bool:
 def located_in(
     stretch: Stretch, kind: Kind, first: float, last: float, known: Mapping[float, CurvePoint] | None = None
 ) -> tuple[float, CurvePoint] | None:
-    """Where a test function is zero in a step in which it changes its sign.
+    """The zero of a test function in a step: its arclength from the start, and the point; None if the curve is lost.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        The step.
-    kind : str
-        The kind of bifurcation.
-    first, last : float
-        Arclengths from the start between which the test function changes its sign.
-    known : mapping, optional
-        Points of the step that are known, by their arclengths.
-
-    Returns
-    -------
-    tuple of float and CurvePoint, or None
-        The arclength from the start, and the point; None if Newton's method loses the curve.
+    The test function has different signs at the arclengths `first` and `last`; `known` has points by their arclengths.
     """
     start, test, points = stretch.start, _TESTS[kind], dict(known or {})
 
@@ -372,41 +300,16 @@ def located_in(
 
 
 def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint | None:
-    """The point nearest to an arclength.
-
-    Parameters
-    ----------
-    known : mapping
-        Points of a curve, by their arclengths.
-    length : float
-        The arclength.
-
-    Returns
-    -------
-    CurvePoint, or None
-        None if none is known.
-    """
+    """The known point nearest to an arclength, of points by their arclengths; None if none is known."""
     return known[min(known, key=lambda at: abs(at - length))] if known else None
 
 
 def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True) -> CurvePoint | None:
-    """The point of a curve in the hyperplane some arclength along a point's tangent.
+    """The curve point in the hyperplane at an arclength, of either sign, along a point's tangent; None if none is
+    found.
 
-    Parameters
-    ----------
-    start : CurvePoint
-        The point.
-    length : float
-        The arclength, of either sign.
-    near : CurvePoint, optional
-        A point of the curve that is nearer, if one is known.
-    exact : bool
-        Whether to evaluate the derivative there, see `lapjoint.orbits.branches.newton.solve`.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes in the same direction; None if Newton's method finds none.
+    Newton's method begins at `near`, a nearer point of the curve, if one is known.  The tangent goes on in its
+    direction.
     """
     near = start if near is None else near
     rate = float(start.tangent @ (near.tangent * near.scale / start.scale))

@@ -23,7 +23,7 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class BoundaryProblem:
-    """Motions of one contact sequence, over a range of the parameter."""
+    """Equations of the periodic motions with one contact sequence, over a range of the parameter."""
 
     resolution: Resolution
     """The solver at one resolution, and the parameter."""
@@ -34,9 +34,9 @@ class BoundaryProblem:
     phase: float
     """Time of the section over the excitation period, from 0 to 1."""
     tied: frozenset[int] = frozenset()
-    """Events at the same time as the event before, of another stop: the arc between has no duration, and of the
-    equations of such events that of the first one stands for all.  Stops that mirror each other along the beam switch
-    so."""
+    """Events that happen together with the event before, of another stop: the arc between has no duration, and the
+    equation of the first event of such a group stands for the group.  Stops that mirror each other along the beam
+    switch together."""
 
     @property
     def events(self) -> int:
@@ -49,69 +49,20 @@ class BoundaryProblem:
         return np.array([i for i in range(self.events) if i not in self.tied], dtype=np.intp)
 
     def packed(self, x: FloatArray, shares: FloatArray, value: float) -> FloatArray:
-        """The unknowns.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Coordinates of the section.
-        shares : FloatArray, shape (M,) or (M + 1,)
-            Durations of all arcs over the length of the motion; the last one may be left out.
-        value : float
-            The parameter, in its SI unit.
-
-        Returns
-        -------
-        FloatArray, shape (n + F + 1,)
-            u.
-        """
+        """The unknowns u, shape (n + F + 1,), of section `x`, shape (n,), durations over the length, shape (M,) or (M +
+        1,), and parameter."""
         return np.concatenate([x, np.asarray(shares, dtype=float)[self.free], [value]])
 
     def coordinates(self, u: FloatArray) -> int:
-        """Number ``n`` of coordinates of the section.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        int
-            The number.
-        """
+        """Number n of coordinates of the section, for unknowns of shape (n + F + 1,)."""
         return u.size - 1 - self.free.size
 
     def position(self, u: FloatArray, arc: int) -> int:
-        """Where the duration of an arc is among the unknowns.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-        arc : int
-            An arc that ends with an event that is not tied.
-
-        Returns
-        -------
-        int
-            Its index in u.
-        """
+        """Index of an arc's duration among the unknowns; the arc ends with an event that is not tied."""
         return self.coordinates(u) + int(np.searchsorted(self.free, arc))
 
     def group(self, event: int) -> range:
-        """The events that are at the same time as one of them.
-
-        Parameters
-        ----------
-        event : int
-            The event.
-
-        Returns
-        -------
-        range
-            In sequence; the first one is not tied.
-        """
+        """The events that happen together with one event, in their sequence; the first one is not tied."""
         first, last = event, event + 1
         while first in self.tied:
             first -= 1
@@ -120,133 +71,43 @@ class BoundaryProblem:
         return range(first, last)
 
     def arcs(self, u: FloatArray) -> Arcs:
-        """The arcs at the parameter of a solution.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        Arcs
-            Of the problem with that parameter.
-        """
+        """The arcs of the problem whose parameter is that of the unknowns, shape (n + F + 1,)."""
         return self.resolution.arcs(float(u[-1]))
 
     def shares(self, u: FloatArray) -> FloatArray:
-        """Durations of all arcs over the length of the motion.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        FloatArray, shape (M + 1,)
-            Without unit; their sum is 1.
-        """
+        """Durations of all arcs over the length of the motion, shape (M + 1,); their sum is 1."""
         shares = np.zeros(self.events + 1)
         shares[self.free] = u[self.coordinates(u) : -1]
         shares[-1] = 1.0 - shares.sum()
         return shares
 
     def durations(self, u: FloatArray) -> FloatArray:
-        """Durations of all arcs.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        FloatArray, shape (M + 1,)
-            s.
-        """
+        """Durations of all arcs, shape (M + 1,), in s."""
         return self.length(u) * self.shares(u)
 
     def length(self, u: FloatArray) -> float:
-        """Length L of the motion, s.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        float
-            Half periods of the excitation at the parameter.
-        """
+        """Length L of the motion, in s: half periods of the excitation at the parameter of the unknowns."""
         return self._length(self.arcs(u))
 
     def time(self, u: FloatArray) -> float:
-        """Time of the section, s from a multiple of the excitation period.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        float
-            The time.
-        """
+        """Time of the section, in s from a multiple of the excitation period."""
         return self.phase * self.arcs(u).period
 
     def chain(self, u: FloatArray, derivatives: bool = False) -> Chain:
-        """The arcs of a set of unknowns, whether or not they solve the equations.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-        derivatives : bool
-            Whether to carry derivatives along.
-
-        Returns
-        -------
-        Chain
-            The arcs.
-        """
+        """The arcs of a set of unknowns, shape (n + F + 1,), with their derivatives if asked; the unknowns need not
+        solve the equations."""
         arcs, x, number = self.arcs(u), u[: self.coordinates(u)], self.resolution.path
         times = self.phase * arcs.period, self._length(arcs) * self.shares(u)
         return arcs.chain(self.sequence, x, *times, derivatives, number if derivatives else None)
 
     def residual(self, u: FloatArray, chain: Chain | None = None) -> FloatArray:
-        """Left sides of the equations.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-        chain : Chain, optional
-            Their arcs, if they are known.
-
-        Returns
-        -------
-        FloatArray, shape (n + F,)
-            Of the closure, in the unit of each coordinate, then of the events, m or m/s.
-        """
+        """Left sides of the equations, shape (n + F,): the closure in the unit of each coordinate, then the events, in
+        m or m/s."""
         chain = self.chain(u) if chain is None else chain
         return np.concatenate([self._sign * chain.end - u[: chain.end.size], chain.events[self.free]])
 
     def linearised(self, u: FloatArray) -> Linearisation:
-        """Equations and their derivative.
-
-        Parameters
-        ----------
-        u : FloatArray, shape (n + F + 1,)
-            The unknowns.
-
-        Returns
-        -------
-        Linearisation
-            At the unknowns.
-        """
+        """The equations and their derivative at unknowns of shape (n + F + 1,)."""
         chain, free = self.chain(u, derivatives=True), self.free
         n, F = chain.end.size, free.size
         assert chain.end_by is not None

@@ -1,7 +1,7 @@
-"""Bifurcations and grazes of one solver, located again by another from the first one's motions as sampled shapes.
+"""Bifurcations and grazes of one solver, located again by another solver.
 
-The other solver takes over where along the beam the motion begins, its contact sequence, its durations and the
-parameter, and locates the same by its own arcs and multipliers.  Its error comes from its own refinements.
+The other solver begins with the first solver's motion, sampled along the beam, with its contact sequence, durations and
+parameter.  It locates the bifurcation by its own arcs and multipliers, and states an error by its own refinements.
 """
 
 from __future__ import annotations
@@ -20,39 +20,30 @@ from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
 from lapjoint.problem import FloatArray, SampledShape
 
 Verdict = Literal["agrees", "apart", "not found", "no error stated"]
-"""Whether both solvers have the same at the same value of the parameter."""
+"""Whether two solvers have a bifurcation at the same value of the parameter."""
 _SAMPLES = 401
-"""Number of places at which a motion is sampled: Newton's method does the rest."""
+"""Number of places along the beam at which a motion is sampled: Newton's method corrects what sampling leaves."""
 _TRIED = 3
-"""Largest number of the other solver's resolutions that are begun with: the coarsest may lack what finer ones have."""
+"""Largest number of resolutions of the other solver with which a search begins: the coarsest may lack what finer ones
+have."""
 
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What another solver has for a bifurcation or graze."""
+    """What another solver says of a bifurcation or graze."""
 
     verdict: Verdict
-    """``agrees`` if the values differ by at most the sum of their errors, ``apart`` if by more; ``no error stated``
-    where an error is infinite, and ``not found``."""
+    """``agrees`` if the values differ by at most the sum of their errors, ``apart`` if by more, ``not found``, or ``no
+    error stated`` where an error is infinite."""
     other: Stated | None
     """What the other solver has; None where it does not find it."""
 
 
 def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
-    """Look for a bifurcation or graze by another solver.
+    """Locate a bifurcation or graze by another solver, over the same range.
 
-    Parameters
-    ----------
-    one : Stated
-        By the first solver.
-    other : ParameterRange
-        The same range by the other solver.
-
-    Returns
-    -------
-    Confirmation
-        By the first of its resolutions, each finer than the one before, from which an error can be stated.  What is
-        apart counts only if the first solver locates the same from there.
+    The other solver begins with its coarsest resolution, and with the next finer ones while no error can be stated.  A
+    value that is apart counts only if the first solver, from there, locates its own bifurcation again.
     """
     best = Confirmation("not found", None)
     for resolution in islice(other.resolution(one.value).and_finer(), _TRIED):
@@ -67,40 +58,14 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
 
 
 def located(what: Located, resolution: Resolution) -> Stated | None:
-    """A bifurcation or graze of one solver by another, from a resolution of that one on.
-
-    Parameters
-    ----------
-    what : Bifurcation or SequenceChange
-        What the first solver located.
-    resolution : Resolution
-        The other solver.
-
-    Returns
-    -------
-    Stated, or None
-        None if the other solver does not find it nearby.
-    """
+    """A bifurcation or graze by another solver, from one of that solver's resolutions on; None if it is not found
+    nearby."""
     found = again(what, partial(shaped, resolution=resolution))
     return None if found is None else stated(found)
 
 
 def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion taken to another solver.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-    resolution : Resolution
-        The other solver.
-
-    Returns
-    -------
-    tuple of BoundaryProblem and FloatArray, or None
-        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another
-        contact state there.
-    """
+    """A motion taken to another solver; None if the section has another contact state there."""
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
     history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.beam.length
@@ -113,13 +78,14 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
 
 
 def _verdict(one: Stated, other: Stated) -> Verdict:
-    """What two values with their errors say of each other."""
+    """The verdict on two values with their errors."""
     if not np.isfinite(one.error + other.error):
         return "no error stated"
     return "agrees" if abs(other.value - one.value) <= one.error + other.error else "apart"
 
 
 def _leads_back(one: Stated, other: Stated) -> bool:
-    """Whether the first solver locates the same from what the other one has: else that is another one nearby."""
+    """Whether the first solver, from the other solver's motion, locates its own bifurcation again, and not a
+    neighbour."""
     back = again(other.what, partial(shaped, resolution=resolution_of(one.what)))
     return back is not None and abs(value_of(back) - value_of(one.what)) <= one.error

@@ -31,17 +31,10 @@ Step = Stretch | SequenceChange | End
 
 
 def follow(start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve in the direction of a point's tangent.
+    """Follow a curve in the direction of a point's tangent: steps in their sequence, changes between them, and why it
+    ends.
 
-    Parameters
-    ----------
-    start : CurvePoint
-        The first point, which is not given again.
-
-    Yields
-    ------
-    Stretch, SequenceChange or End
-        Steps in their sequence, changes between them, and last, unless the caller stops asking, why the curve ends.
+    The first point is not given again.
     """
     options = start.problem.resolution.options
     here, step, last = start, options.first_step, None
@@ -94,21 +87,11 @@ def follow(start: CurvePoint) -> Iterator[Step]:
 
 
 def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
-    """The first motion of the joint beyond a change whose new arc is on the wrong side of its stop while it is short.
+    """The first motion of the joint beyond a change whose new arc is on the wrong side of its stop while the arc is
+    short.
 
-    The curve of the equations goes on through motions that are none of the joint's.
-
-    Parameters
-    ----------
-    change : SequenceChange
-        The change.
-    arc : int
-        The new arc.
-
-    Returns
-    -------
-    CurvePoint, or None
-        None if there is none within the largest step of the curve.
+    The curve of the equations goes on through motions that the joint does not have.  None if no motion of the joint
+    lies within the largest step of the curve.
     """
     here, stop = change.after, change.stops[0]
     assert here is not None
@@ -129,7 +112,8 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
 
 
 def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
-    """The point a step along a curve, or the one at the end of the range where that is nearer; and whether it is."""
+    """The point a step along a curve, or at the end of the range where the end is nearer; and whether it is at the
+    end."""
     resolution, value = here.problem.resolution, float(here.predicted(step)[-1])
     if resolution.low < value < resolution.high:
         new = stepped(here, step)
@@ -141,21 +125,9 @@ def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
 
 
 def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
-    """The point of a curve at a value of the parameter, which the tangent leads to.
+    """The curve point at a value of the parameter, in its SI unit, at most an arclength ahead of another point.
 
-    Parameters
-    ----------
-    here : CurvePoint
-        The point before.
-    value : float
-        The parameter there, in its SI unit.
-    most : float
-        Largest arclength of the way.
-
-    Returns
-    -------
-    CurvePoint, or None
-        None if Newton's method finds none, or the curve turns too much.
+    None if Newton's method finds none, or the curve turns too much.
     """
     rate = float(here.tangent[-1] * here.scale[-1])
     length = (value - here.value) / rate if rate else most
@@ -165,21 +137,9 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
-    """The point a step along a curve; None if Newton's method finds none, or leads too far aside.
+    """The point a step along a curve, of either sign; None if Newton's method finds none, or leads too far aside.
 
     An evenly curved step that turns by an angle leads aside by half of the angle times the step.
-
-    Parameters
-    ----------
-    here : CurvePoint
-        The point before.
-    length : float
-        Arclength of the step, of either sign.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes on in the direction of the one before.
     """
     guess = here.predicted(length)
     new = solved(here.problem, guess, here.scale, here.tangent)
@@ -188,10 +148,10 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
 
 
 def _going_on(here: CurvePoint, found: CurvePoint | None) -> CurvePoint | None:
-    """A point as the next one of a curve; None if it is of another part of the curve, or the curve turns too much.
+    """A point as the next point of a curve; None if it is on another part of the curve, or the curve turns too much.
 
-    On another part the orientation differs, but for where the curve meets that of motions which repeat in half of the
-    time; or the parameter has gone against the tangents at both ends.
+    On another part of the curve the orientation differs, unless the curve has met the curve of motions that repeat in
+    half of the time; or the parameter has gone against the tangents at both ends.
     """
     if found is None:
         return None
@@ -212,23 +172,15 @@ def _angle(here: CurvePoint, new: CurvePoint) -> float:
 
 
 def _turn(here: CurvePoint, new: CurvePoint) -> float:
-    """Cosine of the angle between two tangents, by the scale of the first."""
+    """Cosine of the angle between two tangents, in the scale of the first point."""
     other = new.tangent * new.scale / here.scale
     return float(here.tangent @ other / np.linalg.norm(other))
 
 
 def centred(point: CurvePoint) -> CurvePoint:
-    """The same point, its section moved to the middle of the longest flight if an event has come near the section.
+    """The motion of a point, its section moved to the middle of the longest arc if an event has come near the section.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The point.
-
-    Returns
-    -------
-    CurvePoint
-        With its tangent in the same direction along the curve.
+    The tangent keeps its direction along the curve.
     """
     shares = point.shares
     if point.problem.events < 2:

@@ -1,9 +1,10 @@
-"""Errors of bifurcations and grazes: each is located again at finer resolutions, from the arcs of the one before.
+"""Errors of bifurcations and grazes: each is located again at finer resolutions, each time from the resolution before.
 
-The value stated is that of the finest resolution that was asked.  Its error is the bound by the last refinement, or
-what the order of convergence leaves of the bound before (see `lapjoint.orbits.refinement`), whichever is larger: two
-resolutions may agree by chance.  At a graze the distance between both sides is added.  Resolutions are asked until
-the error is at most `AIM`, at least two; it is infinite where one of them does not locate the same nearby.
+The value stated is the value at the finest resolution that was used.  Its error is the bound that the last refinement
+gives, or, if larger, the bound before reduced by the order of convergence (see `lapjoint.orbits.refinement`): two
+resolutions may agree by chance.  At a graze the distance between both sides is added.  Resolutions are refined until
+the error is at most `AIM`, at least twice.  The error is infinite where one resolution does not locate the bifurcation
+nearby.
 """
 
 from __future__ import annotations
@@ -26,15 +27,16 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 AIM = 1e-5
-"""Error of a value over the scale of the parameter that is aimed at."""
+"""Error of a value, over the scale of the parameter, that ends the refinement."""
 _MOST = 5
-"""Largest number of finer resolutions that are asked: the fifth has seven times the resolution."""
+"""Largest number of refinements: the fifth has seven times the resolution."""
 _NEAR = 0.05
-"""Arclength between a bifurcation at two resolutions, at most: beyond it is another one's neighbourhood."""
+"""Largest arclength between a bifurcation at two resolutions: farther on, another bifurcation may lie."""
 
 Located = Bifurcation | SequenceChange
 Carry = Callable[[CurvePoint], tuple[BoundaryProblem, FloatArray] | None]
-"""Takes a motion to another resolution: its equations there, and a guess of the unknowns."""
+"""Takes a motion to another resolution: its equations there, and a guess of the unknowns, shape (n + F + 1,), or
+None."""
 
 
 @dataclass(frozen=True)
@@ -44,24 +46,13 @@ class Stated:
     value: float
     """The parameter, in its SI unit."""
     error: float
-    """Its error, in the same unit; infinite where none can be stated."""
+    """Its error, in that unit; infinite where none can be stated."""
     what: Located = field(repr=False)
     """What the finest resolution located."""
 
 
 def stated(what: Located) -> Stated:
-    """The value of a bifurcation or graze, with its error.
-
-    Parameters
-    ----------
-    what : Bifurcation or SequenceChange
-        What was located.
-
-    Returns
-    -------
-    Stated
-        With an infinite error where a finer resolution does not locate it, or there is no finer one.
-    """
+    """The value of a bifurcation or graze, with its error."""
     value, error, bound = value_of(what), np.inf, np.inf
     scale = resolution_of(what).scale(value)
     for asked in range(1, _MOST + 1):
@@ -81,51 +72,19 @@ def stated(what: Located) -> Stated:
 
 
 def value_of(what: Located) -> float:
-    """The parameter at a bifurcation or graze.
-
-    Parameters
-    ----------
-    what : Bifurcation or SequenceChange
-        What was located.
-
-    Returns
-    -------
-    float
-        In its SI unit; of a graze that on the side with fewer events.
-    """
+    """The parameter at a bifurcation, or at a graze on the side with fewer events, in its SI unit."""
     return what.point.value if isinstance(what, Bifurcation) else what.value
 
 
 def resolution_of(what: Located) -> Resolution:
-    """The resolution at which a bifurcation or graze was located.
-
-    Parameters
-    ----------
-    what : Bifurcation or SequenceChange
-        What was located.
-
-    Returns
-    -------
-    Resolution
-        Of its motion.
-    """
+    """The resolution at which a bifurcation or graze was located."""
     return (what.point if isinstance(what, Bifurcation) else what.before).problem.resolution
 
 
 def again(what: Located, carry: Carry) -> Located | None:
-    """The same bifurcation or graze at another resolution, or by another solver.
+    """A bifurcation or graze, located at another resolution or by another solver; None if it is not found nearby.
 
-    Parameters
-    ----------
-    what : Bifurcation or SequenceChange
-        What was located.
-    carry : callable
-        Takes motions there.
-
-    Returns
-    -------
-    Bifurcation or SequenceChange, or None
-        None if it is not found nearby.  A graze is approached from the side with more events.
+    A graze is located from the side with more events.
     """
     try:
         return _bifurcation(what, carry) if isinstance(what, Bifurcation) else _graze(what, carry)
@@ -134,21 +93,7 @@ def again(what: Located, carry: Carry) -> Located | None:
 
 
 def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion taken to another resolution of its solver.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-    resolution : Resolution
-        The other one.
-
-    Returns
-    -------
-    tuple of BoundaryProblem and FloatArray, or None
-        Its equations there, and a guess of the unknowns, shape ``(n + F + 1,)``; None if the section has another
-        contact state there.
-    """
+    """A motion taken to another resolution of its solver; None if the section has another contact state there."""
     section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
     return with_section(point, resolution, resolution.map(point.value).adopted(section))
 
@@ -156,22 +101,7 @@ def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem,
 def with_section(
     point: CurvePoint, resolution: Resolution, section: SectionPoint
 ) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion at another resolution, whose section is known there.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion.
-    resolution : Resolution
-        The other one.
-    section : SectionPoint
-        The section there.
-
-    Returns
-    -------
-    tuple of BoundaryProblem and FloatArray, or None
-        As `carried`, the unknowns of shape ``(n + F + 1,)``: durations and parameter stay what they are.
-    """
+    """A motion at another resolution at which its section is known; durations and parameter stay what they are."""
     if section.state != point.problem.sequence.first:
         return None
     coordinates = resolution.arcs(point.value).coordinates(section)
@@ -179,17 +109,17 @@ def with_section(
 
 
 def _bound(refinement: Refinement, apart: float) -> float:
-    """The error of a value that a finer resolution has elsewhere."""
+    """The error of a value that differs at a finer resolution."""
     return float(refinement.bounds(np.array([apart]), abs(apart))[0])
 
 
 def _offset(what: Located) -> float:
-    """Distance of both sides of a graze; 0 for what has no sides."""
+    """Distance of the parameter between both sides of a graze; 0 for a bifurcation."""
     return 0.0 if isinstance(what, Bifurcation) else what.offset
 
 
 def _bifurcation(what: Bifurcation, carry: Carry) -> Bifurcation | None:
-    """The zero of the test function along the other curve, nearest to where the motion is taken to."""
+    """The zero of the test function nearest to the guess, along the curve at the other resolution."""
     guess = carry(what.point)
     near = None if guess is None else nearest(*guess)
     if guess is None or near is None:
@@ -219,7 +149,7 @@ def _by_secants(near: CurvePoint, kind: Kind) -> CurvePoint | None:
 
 
 def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
-    """The zero of a test function between the first two arclengths from a point, in tenfold steps, that have it."""
+    """The zero of a test function that changes its sign between two arclengths from a point, in tenfold steps."""
     test = test_of(kind)
     for way in (1.0, -1.0):
         before, at, here = 0.0, way * SAME, test(near)
@@ -237,7 +167,7 @@ def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
 
 
 def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
-    """The motion with an arc of no duration, and from it the one without that arc."""
+    """The motion with an arc of no duration, and from it the motion without that arc."""
     more = what.more
     guess = None if more is None else carry(centred(more))
     found = None if guess is None else with_ended_arc(*guess)
@@ -247,7 +177,7 @@ def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
 
 
 def _far(point: CurvePoint, guess: FloatArray) -> bool:
-    """Whether a point is not where it was looked for."""
+    """Whether a point is farther from its guess than a bifurcation may lie at two resolutions."""
     return float(np.linalg.norm((point.u - guess) / point.scale)) > _NEAR
 
 

@@ -16,7 +16,7 @@ from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, scale_of, solved
-from lapjoint.orbits.branches.sequence_changes import nearest, violated
+from lapjoint.orbits.branches.sequence_changes import SequenceChange, ended_arc, nearest, on_duration, violated
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
@@ -77,6 +77,41 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
         tied=problem.tied | {k + M for k in problem.tied},
     )
     return doubled, doubled.packed(point.u[:n], twice[0], point.value), doubled.packed(vector, twice[1], 0.0)
+
+
+def beside_graze(change: SequenceChange) -> CurvePoint | None:
+    """A motion of twice the length beside a graze, of which one half alone has the contact.
+
+    At the graze the motion taken twice, with the contact of no duration in one half alone, solves the equations.  Most
+    branches that spring so lead to a flip just beside the graze, where a motion of theirs is found already: so this one
+    is looked for at the largest arclength at which a branch from a flip is.
+
+    Parameters
+    ----------
+    change : SequenceChange
+        The graze.
+
+    Returns
+    -------
+    CurvePoint, or None
+        Its tangent leads away from the graze; None if there is none at that arclength, or events are tied at the graze.
+    """
+    more = change.more
+    if more is None or more.problem.tied or change.reverses is not None:
+        return None
+    problem, n, M = more.problem, more.coordinates, more.problem.events
+    twins = mirror_twins(problem.arcs(more.u).problem) if problem.half_periods % 2 else None
+    arc, stops, shares = ended_arc(problem, more.u), problem.sequence.stops, (more.shares / 2).tolist()
+    image = [twins[k] for k in stops] if twins is not None else list(stops)
+    twice = [*shares[:-1], shares[-1] + shares[0], *shares[1:]]
+    twice[M + arc - 1 : M + arc + 2] = [sum(twice[M + arc - 1 : M + arc + 2])]
+    order = ContactSequence(problem.sequence.first, (*stops, *image[: arc - 1], *image[arc + 1 :]))
+    doubled = replace(problem, sequence=order, half_periods=2 * problem.half_periods)
+    graze = on_duration(doubled, doubled.packed(more.u[:n], np.array(twice), more.value), arc)
+    new = None if graze is None else solved(doubled, graze.predicted(_AWAY[0]), graze.scale, graze.tangent)
+    if graze is None or new is None or violated(new):
+        return None
+    return new if float(new.tangent @ (graze.tangent * graze.scale / new.scale)) > 0 else new.turned()
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:

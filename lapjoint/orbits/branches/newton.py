@@ -29,35 +29,21 @@ class Solution:
     u: FloatArray
     """The unknowns."""
     linearisation: Linearisation
-    """Equations and derivative, there or a last, tiny step before."""
+    """Equations and derivative at the solution, or a last, tiny step before."""
     tangent: FloatArray
     """Unit tangent of the curve in scaled unknowns, towards the border row."""
     orientation: int
-    """Sign of the determinant of the derivative bordered by this tangent: the same all along a smooth curve."""
+    """Sign of the determinant of the derivative bordered by this tangent; it keeps its sign along a smooth curve."""
 
 
 def solve(
     problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
 ) -> Solution | None:
-    """The solution nearest to a guess, up to the hyperplane through the guess that a border row is normal to.
+    """The solution to which Newton's method leads from a guess, in the hyperplane through the guess that `row` is
+    normal to.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-    scale : FloatArray, shape (n + F + 1,)
-        Size of each unknown.
-    row : FloatArray, shape (n + F + 1,)
-        The border, for scaled unknowns.
-    exact : bool
-        Whether to evaluate the derivative anew for short steps, too.
-
-    Returns
-    -------
-    Solution, or None
-        None if Newton's method finds none.
+    Guess, scale (the size of each unknown) and row (for scaled unknowns) have shape (n + F + 1,).  With `exact`, the
+    derivative is evaluated anew for short steps, too.  None if Newton's method finds no solution.
     """
     options = problem.resolution.options
     u, last, shortest, kept = guess, np.zeros(guess.size), np.inf, False

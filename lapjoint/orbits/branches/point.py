@@ -1,4 +1,4 @@
-"""A point of a curve: one periodic motion with its contact sequence, where it comes near its stops, and its section."""
+"""A curve point: one periodic motion with its contact sequence, the extrema of its gaps, and its section."""
 
 from __future__ import annotations
 
@@ -20,64 +20,52 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 SAME = 1e-6
-"""Arclength that is told from rounding, and on which a curve does not turn; distance of two motions over their size, or
-of two events over the length of the motion, up to which they are one: motions are solved to 1e-9."""
+"""Distance below which two curve points are one, as an arclength: motions are solved to 1e-9, and a curve does not turn
+within this length.  Also the distance of two motions over their size, and of two events over the length of the motion,
+below which they are one."""
 _ROUNDED = 1e-9
-"""Half periods up to which a time counts as a multiple of half a period."""
+"""Distance of a time from a multiple of half a period, in half periods, that counts as rounding."""
 
 
 @dataclass(frozen=True)
 class GapExtrema:
-    """The extrema of gap functions at which an open stop comes nearest, or a closed one is nearest to opening."""
+    """Extrema of the gap functions: where an open stop comes nearest, and where a closed stop comes nearest to
+    opening."""
 
     arc: IndexArray
     """The arc of each, shape ``(m,)``."""
     stop: IndexArray
     """The stop of each, shape ``(m,)``."""
     time: FloatArray
-    """When, s from the section, shape ``(m,)``."""
+    """Time of each, in s from the section, shape ``(m,)``."""
     violation: FloatArray
-    """Distance beyond the stop, over its gap or, without one, over the motion there; above zero where the contact
-    sequence lacks two events, shape ``(m,)``."""
+    """Distance of each beyond its stop, over the stop's gap or, without a gap, over the size of the motion, shape
+    ``(m,)``.  A value above zero says that the contact sequence lacks two events."""
     lost: float
-    """The largest displacement of a stop, compared likewise, that a passage between contact states loses."""
+    """Largest displacement of a stop that a passage between contact states loses, over the same size as a violation."""
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """A solution of a boundary value problem, and the tangent of its curve."""
+    """A solution of a boundary value problem, and the tangent of its curve there."""
 
     problem: BoundaryProblem
     """The equations."""
     u: FloatArray = field(repr=False)
     """The unknowns, shape ``(n + F + 1,)``."""
     scale: FloatArray = field(repr=False)
-    """Size of each unknown: of coordinates that of the motion, of durations their mean, and that of the parameter."""
+    """Size of each unknown: of a coordinate the size of the motion, of a duration the mean duration, and the size of
+    the parameter."""
     tangent: FloatArray = field(repr=False)
-    """Unit tangent in scaled unknowns, in either direction along the curve."""
+    """Unit tangent in scaled unknowns, in one of the two directions along the curve."""
     linearisation: Linearisation = field(repr=False)
-    """Equations and derivative."""
+    """Equations and derivative at the point."""
     orientation: int
-    """As `Solution.orientation`, for this tangent."""
+    """The sign `Solution.orientation`, for this tangent."""
 
     @staticmethod
     def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
-        """A solution as a point, with the scale that belongs to it.
-
-        Parameters
-        ----------
-        problem : BoundaryProblem
-            The equations.
-        solution : Solution
-            One of their solutions.
-        scale : FloatArray, shape (n + F + 1,)
-            The scale by which it was found.
-
-        Returns
-        -------
-        CurvePoint
-            The point.
-        """
+        """A solution, found with a scale of shape (n + F + 1,), as a curve point with a scale of its own."""
         own = scale_of(problem, solution.u)
         tangent = solution.tangent * scale / own
         tangent /= np.linalg.norm(tangent)
@@ -105,22 +93,24 @@ class CurvePoint:
 
     @property
     def tolerance(self) -> float:
-        """Violation up to which an extremum touches its stop and no more: what passages lose of the motion there."""
+        """Violation below which an extremum only touches its stop: rounding, or what passages lose of the motion
+        there."""
         return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of the derivative over the motion's half periods, shape ``(n,)``."""
+        """Eigenvalues of the monodromy matrix over the motion's half periods, shape ``(n,)``."""
         return self.linearisation.multipliers
 
     @cached_property
     def twins(self) -> tuple[int, ...] | None:
-        """The twin of each stop, if the motion repeats after an odd number of half periods, mirrored."""
+        """The mirror twin of each stop, if the motion repeats mirrored after an odd number of half periods; else
+        None."""
         return mirror_twins(self.problem.arcs(self.u).problem) if self.problem.half_periods % 2 else None
 
     @cached_property
     def extrema(self) -> GapExtrema:
-        """Where open stops are nearest, and closed ones nearest to opening."""
+        """Where open stops come nearest, and closed stops come nearest to opening."""
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         structure = arcs.problem.structure
         if not structure.stops:
@@ -148,9 +138,10 @@ class CurvePoint:
         return found
 
     def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
-        """Value at which each stop switches in each arc, m, shape ``(M + 1, P)``.
+        """Value of each gap function at which its stop switches in each arc, in m, shape ``(M + 1, P)``.
 
-        A stop that has just switched returns to where it began; that is 0 but for what a passage loses of the motion.
+        A stop that has just switched switches back at the value with which its arc began: zero, but for what a passage
+        loses.
         """
         levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
         if switched.size:
@@ -162,25 +153,17 @@ class CurvePoint:
         return levels
 
     def _sizes(self, gaps: FloatArray) -> FloatArray:
-        """What distances from stops are compared with: their gaps, or the largest of them, or a size of the motion."""
+        """Sizes over which distances from stops are stated, in m: each stop's gap, else the largest gap, else the size
+        of the motion."""
         largest = float(gaps.max(initial=0.0))
         return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
 
     def entering(self, arc: int, stop: int) -> tuple[float, float]:
-        """How a stop comes to the side of the gap on which an arc has it, where the arc begins.
+        """First and second derivative, in m/s and m/s2, with which a stop enters an arc's side of its gap, where the
+        arc begins.
 
-        Parameters
-        ----------
-        arc : int
-            The arc.
-        stop : int
-            The stop.
-
-        Returns
-        -------
-        tuple of float and float
-            First and second derivative, m/s and m/s2, of the gap function of a stop that is closed, and of its
-            opposite for one that is open, as the contact state of the arc has them.
+        The derivatives are those of the gap function of a closed stop, and of its opposite for an open stop, as the
+        contact state of the arc has them.
         """
         arcs = self.problem.arcs(self.u)
         motion, stops = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations), arcs.problem.stops
@@ -191,52 +174,22 @@ class CurvePoint:
         return float(sign * (rate + one)), float(sign * (second + 2 * two))
 
     def predicted(self, length: float) -> FloatArray:
-        """Unknowns along the tangent.
-
-        Parameters
-        ----------
-        length : float
-            Arclength from here, of either sign.
-
-        Returns
-        -------
-        FloatArray, shape (n + F + 1,)
-            The unknowns.
-        """
+        """Unknowns at an arclength, of either sign, along the tangent, shape (n + F + 1,)."""
         return self.u + length * self.scale * self.tangent
 
     def arclength(self, other: CurvePoint) -> float:
-        """How far another point of the curve lies along this one's tangent.
-
-        Parameters
-        ----------
-        other : CurvePoint
-            The other point, of the same equations.
-
-        Returns
-        -------
-        float
-            Arclength, of either sign.
-        """
+        """Arclength, of either sign, at which another point of the curve lies along this point's tangent."""
         return float(self.tangent @ ((other.u - self.u) / self.scale))
 
     def turned(self) -> CurvePoint:
-        """The same point with the opposite tangent.
-
-        Returns
-        -------
-        CurvePoint
-            The point.
-        """
+        """The curve point with the opposite tangent."""
         return replace(self, tangent=-self.tangent, orientation=-self.orientation)
 
     def sections(self) -> list[SectionPoint]:
-        """The motion at multiples of the excitation period, or of half periods of a problem that is its mirror image.
+        """The motion at all multiples of the excitation period within its length.
 
-        Returns
-        -------
-        list of SectionPoint
-            Those within the motion's length: of the motion or, if it is not symmetric, of its mirror image, too.
+        If the problem is its own mirror image, multiples of half the period count, too: the motion or its mirror image
+        is there.
         """
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         twins, half = mirror_twins(arcs.problem), arcs.period / 2
@@ -253,12 +206,10 @@ class CurvePoint:
         return found
 
     def section(self) -> SectionPoint:
-        """The motion, or the mirror image that it is of itself, at a multiple of the excitation period.
+        """The motion at a multiple of the excitation period, from which the solver's march may begin.
 
-        Returns
-        -------
-        SectionPoint
-            Where the solver's march of the same motion may begin.
+        At an odd multiple of half a period the mirror image of the motion stands for it, if the problem is its own
+        mirror image.
         """
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         k = int(np.ceil(2 * chain.times[0] / arcs.period - _ROUNDED))
@@ -271,17 +222,10 @@ class CurvePoint:
 def solved(
     problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
 ) -> CurvePoint | None:
-    """The point of a curve to which Newton's method leads from a guess.
+    """The curve point to which Newton's method leads from a guess, with the arguments of `newton.solve`; None if it
+    finds none.
 
-    Parameters
-    ----------
-    problem, guess, scale, row, exact : BoundaryProblem, FloatArray of shape (n + F + 1,) and bool
-        As `lapjoint.orbits.branches.newton.solve` takes them.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes towards the border row; None if Newton's method finds none.
+    The tangent goes towards the border row.
     """
     found = solve(problem, guess, scale, row, exact)
     return None if found is None else CurvePoint.of(problem, found, scale)
@@ -290,23 +234,9 @@ def solved(
 def holding(
     problem: BoundaryProblem, guess: FloatArray, unknown: int, scale: FloatArray | None = None
 ) -> CurvePoint | None:
-    """The point of a curve near a guess at which one of the unknowns is that of the guess.
+    """The curve point near a guess at which one unknown keeps its value; None if Newton's method finds none.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-    unknown : int
-        Index of the unknown.
-    scale : FloatArray, shape (n + F + 1,), optional
-        Size of each unknown; by default as the guess has it.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes towards a larger value of the unknown; None if Newton's method finds none.
+    Guess and scale have shape (n + F + 1,); the tangent goes towards a larger value of the unknown.
     """
     row = np.zeros(guess.size)
     row[unknown] = 1.0
@@ -314,20 +244,7 @@ def holding(
 
 
 def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
-    """Size of each unknown.
-
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    u : FloatArray, shape (n + F + 1,)
-        The unknowns.
-
-    Returns
-    -------
-    FloatArray, shape (n + F + 1,)
-        In the unit of each.
-    """
+    """Size of each unknown, in its own unit, shape (n + F + 1,); see `CurvePoint.scale`."""
     n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
@@ -336,21 +253,10 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
 
 
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
-    """The same motion with the section in the middle of its longest arc.
+    """The motion of a point, with two events or more, with its section in the middle of the longest arc.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The motion, with two events or more.
-
-    Returns
-    -------
-    BoundaryProblem
-        Its equations.
-    FloatArray, shape (n' + F + 1,)
-        The unknowns.
-    FloatArray, shape (n' + F + 1,)
-        A small way along the curve, in the direction of the point's tangent.
+    Returns its equations, its unknowns, shape (n' + F + 1,), and a small way along the curve in the direction of the
+    point's tangent, of that shape, too.
     """
     durations = point.durations
     lengths = np.append(durations[1:-1], durations[0] + durations[-1])
@@ -369,7 +275,8 @@ def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
 
 
 def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float) -> tuple[BoundaryProblem, FloatArray]:
-    """The same motion with the section some time after the start of an arc, 0 to M - 1, or before the first one."""
+    """The motion with its section some time after the start of an arc, 0 to M - 1, or before the start of the first
+    arc."""
     arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
     durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
     twins = mirror_twins(arcs.problem) if mirrored else None

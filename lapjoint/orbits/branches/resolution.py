@@ -21,12 +21,11 @@ from lapjoint.problem import Problem
 from lapjoint.problem.symmetry import mirror_twins
 
 _KEPT = 32
-"""Number of period maps that are kept: Newton's method and differences return to the same parameters."""
+"""Number of period maps that are cached: Newton's method and differences return to a few parameters."""
 _LOOKED_AT = 9
-"""Number of problems, evenly over a zone, of which the hardest decides the resolution there."""
+"""Number of problems, evenly spread over a zone, the hardest of which decides the resolution of the zone."""
 _ZONE = 8.0
-"""Ratio of the ends of a zone, about: where the resolution changes, the curve jumps by its errors, so that a few zones
-are better than many."""
+"""Ratio of the ends of a zone, about: at a change of resolution the curve jumps by its errors, so zones are few."""
 
 
 @runtime_checkable
@@ -38,23 +37,7 @@ class HasPeriodMap(Protocol):
         """Name and options in a line."""
 
     def period_map(self, problem: Problem) -> PeriodMap:
-        """The motion of a problem from section point to section point.
-
-        Parameters
-        ----------
-        problem : Problem
-            What is solved; its excitation has a period.
-
-        Returns
-        -------
-        PeriodMap
-            The period map.
-
-        Raises
-        ------
-        InputError
-            If the excitation has no period.
-        """
+        """The motion of a problem from section point to section point; `InputError` if its excitation has no period."""
 
 
 @runtime_checkable
@@ -62,18 +45,7 @@ class Resolves(Protocol):
     """A solver that chooses its resolution by the problem, and can be held to one resolution for several problems."""
 
     def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
-        """The solver with the resolution that the hardest of some problems needs.
-
-        Parameters
-        ----------
-        problems : iterable of Problem
-            The problems, at least one.
-
-        Returns
-        -------
-        HasPeriodMap
-            A solver whose resolution does not depend on the problem.
-        """
+        """The solver, with the one resolution that the hardest of some problems needs."""
 
 
 @runtime_checkable
@@ -81,18 +53,7 @@ class Refines(Protocol):
     """A solver that gives a finer solver, by which its errors are estimated."""
 
     def finer(self, problem: Problem) -> tuple[Refinement, HasPeriodMap] | None:
-        """A finer solver, and what is known of the refinement.
-
-        Parameters
-        ----------
-        problem : Problem
-            What is solved.
-
-        Returns
-        -------
-        tuple of Refinement and HasPeriodMap, or None
-            None if there is none.
-        """
+        """What is known of the refinement, and a finer solver; None if there is none."""
 
 
 class Resolution:
@@ -128,23 +89,7 @@ class Resolution:
         self._finer: tuple[Refinement, Resolution] | None = None
 
     def map(self, value: float) -> PeriodMap:
-        """The period map at a value of the parameter.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        PeriodMap
-            The map.
-
-        Raises
-        ------
-        InputError
-            If there is no such problem.
-        """
+        """The period map at a value of the parameter, in its SI unit; `InputError` if there is no such problem."""
         if value in self._maps:
             self._maps.move_to_end(value)
             return self._maps[value]
@@ -160,53 +105,16 @@ class Resolution:
         return made
 
     def arcs(self, value: float) -> Arcs:
-        """The arcs at a value of the parameter.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        Arcs
-            Of the problem with that value.
-
-        Raises
-        ------
-        InputError
-            If there is no such problem.
-        """
+        """The arcs at a value of the parameter, in its SI unit; `InputError` if there is no such problem."""
         return cast(HasArcs, self.map(value)).arcs
 
     def scale(self, value: float) -> float:
-        """What a change of the parameter is compared with: its size, or the whole range where that includes zero.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        float
-            In the same unit, above zero.
-        """
+        """What a change of the parameter is compared with, above zero: its size, or the whole range where the range
+        includes zero."""
         return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
 
     def difference_step(self, value: float) -> float:
-        """Step of a difference by the parameter, which does not lead out of the range.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        float
-            In the same unit, of either sign.
-        """
+        """Step of a difference by the parameter, in its unit, of the sign that does not lead out of the range."""
         step = self.options.difference_step * self.scale(value)
         return step if value + step <= self.high else -step
 
@@ -221,13 +129,7 @@ class Resolution:
         return self._finer
 
     def and_finer(self) -> Iterator[Resolution]:
-        """This resolution, and finer and finer ones.
-
-        Yields
-        ------
-        Resolution
-            Each is made when it is asked for.
-        """
+        """This resolution, then finer and finer ones, each made when it is asked for."""
         here = self
         yield here
         while here.finer is not None:
@@ -285,40 +187,17 @@ class ParameterRange:
         """Half periods of the shortest motions: 1 if the problems at both ends are their own mirror images, else 2."""
 
     def resolution(self, value: float) -> Resolution:
-        """The resolution of the zone that holds a value of the parameter.
-
-        Parameters
-        ----------
-        value : float
-            In its SI unit.
-
-        Returns
-        -------
-        Resolution
-            That of the nearest zone, for a value out of range.
-        """
+        """The resolution of the zone that holds a value of the parameter; of the nearest zone, for a value out of
+        range."""
         return next((one for end, one in self.zones if value <= end), self.zones[-1][1])
 
 
 def zones_of(
     solver: HasPeriodMap, problem_at: Callable[[float], Problem], low: float, high: float
 ) -> list[tuple[float, HasPeriodMap]]:
-    """A range of a parameter, cut into zones of one resolution each.
+    """A range of a parameter, cut into zones: the upper end of each, ascending, and the solver that resolves the zone.
 
-    Parameters
-    ----------
-    solver : HasPeriodMap
-        The solver.
-    problem_at : callable
-        Takes a value of the parameter, and returns the problem with that value.
-    low, high : float
-        The range, in the SI unit of the parameter; `low` < `high`.
-
-    Returns
-    -------
-    list of tuple of float and HasPeriodMap
-        The upper end of each zone, ascending, and the solver that resolves all problems in the zone; neighbours of one
-        resolution are one zone.
+    Neighbours of one resolution are one zone.
     """
     if not isinstance(solver, Resolves):
         return [(high, solver)]

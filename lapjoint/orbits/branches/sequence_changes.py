@@ -23,25 +23,26 @@ from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, scale_of, 
 from lapjoint.problem import FloatArray
 
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
-"""A contact begins or ends at a graze, a contact splits into two or two merge, or two events change their order."""
+"""A contact is born or ends at a graze, a contact splits or two contacts merge, or two events change their order."""
 SECANTS = 12
 """Largest number of secant steps to a zero that lies near, of which two to five are needed."""
 _CLEARLY = 1e-7
-"""Value of a monitor that is above zero and not rounded: Newton's method leaves 1e-9 of arclength, along which an
-extremum rises by up to a hundred times as much."""
+"""Value of a monitor, without unit, that rounding does not explain: Newton's method leaves an arclength of 1e-9, along
+which an extremum rises by up to a hundred times that length."""
 _MOST_AT_ONCE = 6
-"""Largest number of changes that come at once: a motion of four periods has as many parts alike, or fewer."""
+"""Largest number of changes that happen together: a motion of four periods has at most as many parts alike."""
 _ACROSS = 0.5
-"""Share of a step, beyond its ends, within which a change that lies in the step may be located."""
+"""Length beyond the ends of a step, over the step, within which Newton's method may locate a change that lies in the
+step."""
 
 
 class Monitor(NamedTuple):
-    """A function along a curve that is above zero where the contact sequence does not fit any more."""
+    """A function along a curve whose values above zero say that the contact sequence no longer fits the motion."""
 
     kind: Literal["duration", "extremum"]
-    """A duration below zero, or an extremum beyond its stop."""
+    """The duration of an arc, which falls below zero, or an extremum, which passes its stop."""
     arc: int
-    """The arc whose duration this is, or that holds the extremum."""
+    """The arc that has the duration, or holds the extremum."""
     stop: int
     """The stop of the extremum; -1 for a duration."""
     time: float
@@ -50,18 +51,7 @@ class Monitor(NamedTuple):
     """The function: minus a duration over the length of the motion, or `GapExtrema.violation`."""
 
     def is_of(self, other: Monitor) -> bool:
-        """Whether another monitor is that of the same arc and stop.
-
-        Parameters
-        ----------
-        other : Monitor
-            The other monitor.
-
-        Returns
-        -------
-        bool
-            Whether it is, be it at another point of the curve.
-        """
+        """Whether a monitor, perhaps of another point of the curve, belongs to the same arc and stop."""
         return (self.kind, self.arc, self.stop) == (other.kind, other.arc, other.stop)
 
 
@@ -78,7 +68,8 @@ class SequenceChange:
     after: CurvePoint | None
     """The point with the sequence after, its tangent away from the change; None where there is none."""
     reverses: int | None = None
-    """The new arc, if forces jump with the contact state so that a short arc would be on the wrong side of its stop."""
+    """The new arc, if damping forces jump so that the arc, while it is short, is on the wrong side of its stop; else
+    None."""
 
     @property
     def value(self) -> float:
@@ -87,35 +78,24 @@ class SequenceChange:
 
     @property
     def fewer(self) -> CurvePoint:
-        """The motion with fewer events, as far as it is known: from its side a graze is smooth."""
+        """The point with fewer events, as far as it is known: from its side a graze is smooth."""
         if self.after is not None and self.after.problem.events < self.before.problem.events:
             return self.after
         return self.before
 
     @property
     def more(self) -> CurvePoint | None:
-        """The motion with more events, of which an arc has no duration; None where it is not known."""
+        """The point with more events, an arc of which has no duration; None where it is not known."""
         return self.after if self.kind in ("birth", "split") else self.before
 
     @property
     def offset(self) -> float:
-        """Distance of the parameter on both sides, in its unit; infinite where one side is not known."""
+        """Distance of the parameter between both sides, in its unit; infinite where one side is not known."""
         return np.inf if self.after is None else abs(self.after.value - self.before.value)
 
 
 def violated(point: CurvePoint) -> list[Monitor]:
-    """The monitors of a point that are above zero.
-
-    Parameters
-    ----------
-    point : CurvePoint
-        The point.
-
-    Returns
-    -------
-    list of Monitor
-        Empty if the motion has the contact sequence that it was solved with.
-    """
+    """The monitors of a point that are above zero; none if the motion has the contact sequence of its equations."""
     shares = point.shares
     found = [
         Monitor("duration", i, -1, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
@@ -129,19 +109,9 @@ def violated(point: CurvePoint) -> list[Monitor]:
 
 
 def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
-    """A monitor as another point of the same curve has it: of several extrema of an arc the one farthest beyond.
+    """A monitor with its value at another point of the curve; None if the motion there has no such extremum.
 
-    Parameters
-    ----------
-    point : CurvePoint
-        The other point, with the same contact sequence.
-    monitor : Monitor
-        The monitor.
-
-    Returns
-    -------
-    Monitor, or None
-        With its value there; None if the motion there has no such extremum.
+    Of several extrema in one arc, the one farthest beyond the stop counts.
     """
     if monitor.kind == "duration":
         return monitor._replace(value=float(-point.shares[monitor.arc]))
@@ -155,19 +125,10 @@ def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
 
 
 def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Monitor, CurvePoint] | None:
-    """The first monitor that passes zero in a step of a curve, and the point where it does.
+    """The first monitor that passes zero in a step of a curve, and the point at its zero; None if the point is not
+    found.
 
-    Parameters
-    ----------
-    start, end : CurvePoint
-        The ends of the step, with one contact sequence; the second violates some monitor.
-    length : float
-        Arclength of the step.
-
-    Returns
-    -------
-    tuple of Monitor and CurvePoint, or None
-        None if the point is not found.
+    `start` and `end` have one contact sequence, `end` violates a monitor, and `length` is the arclength between them.
     """
     there, upper, seen = violated(end), length, 0
     best: tuple[Monitor, CurvePoint] | None = None
@@ -187,7 +148,7 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
 
 
 def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
-    """Where a monitor passes zero if it is linear in the step."""
+    """Arclength at which a monitor passes zero if it is linear in the step."""
     before = same_monitor(start, monitor)
     if before is None or before.value >= 0:
         return 0.5 * length
@@ -215,19 +176,10 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
 
 
 def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
-    """The changes that come at once with another one: those whose monitors are above zero where that one leads to.
+    """The changes that happen together with a change: monitors that are above zero at the point to which it leads.
 
-    Halves of a motion that nearly repeats change one just after the other, and what passages lose may swap them.
-
-    Parameters
-    ----------
-    change : SequenceChange
-        The first change.
-
-    Yields
-    ------
-    SequenceChange
-        Each begins where the one before leads to.
+    Each begins where the one before leads to.  Parts of a motion that nearly repeats change one just after the other,
+    and what passages lose may swap them.
     """
     for _ in range(_MOST_AT_ONCE):
         here = change.after
@@ -247,21 +199,9 @@ def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
 
 
 def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -> tuple[Monitor, CurvePoint] | None:
-    """Where an extremum is zero on a part of a curve.
+    """An extremum at its zero, and the point there, between two arclengths from a point of the curve.
 
-    Parameters
-    ----------
-    start : CurvePoint
-        A point of the curve.
-    monitor : Monitor
-        The extremum, as one end of the part has it.
-    first, last : float
-        The part, as arclengths from the point; the extremum has different signs at its ends.
-
-    Returns
-    -------
-    tuple of Monitor and CurvePoint, or None
-        None if Newton's method loses the curve, or the signs do not differ.
+    The extremum has different signs at the arclengths `first` and `last`.  None if Newton's method loses the curve.
     """
     known: dict[float, tuple[Monitor, CurvePoint]] = {}
     points = dict[float, CurvePoint]()
@@ -296,20 +236,7 @@ class _LostError(Exception):
 
 
 def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """The change of the contact sequence where a monitor is zero.
-
-    Parameters
-    ----------
-    monitor : Monitor
-        The monitor.
-    before : CurvePoint
-        The point where it is zero, its tangent towards the change.
-
-    Returns
-    -------
-    SequenceChange
-        With the point on the other side, if there is one.
-    """
+    """The change of the contact sequence at the zero of a monitor; the tangent of `before` goes towards the change."""
     if monitor.kind == "extremum":
         return _with_new_events(monitor, before)
     stops, i = before.problem.sequence.stops, monitor.arc
@@ -319,7 +246,8 @@ def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events are born at an extremum, or two groups of tied events where several stops have it at the same time."""
+    """Two events are born at an extremum; or two groups of tied events, where several stops have the extremum
+    together."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
     began, more = sum(shares[:i]), len(stops) - 1
@@ -336,7 +264,7 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
-    """The stops whose extrema are zero where that of a monitor is: the monitor's own, and those that mirror it."""
+    """The stop of a monitor, and the stops that mirror it, whose extrema are zero at the same time."""
     its = point.extrema
     alike = (its.arc == monitor.arc) & (np.abs(its.time / point.problem.length(point.u) - monitor.time) < SAME)
     beside = alike & (np.abs(its.violation - monitor.value) <= 10 * point.tolerance)
@@ -359,50 +287,33 @@ def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurvePoint | None:
-    """The point of a curve at which an arc has no duration.
+    """The point near a guess, shape (n + F + 1,), at which an arc has no duration; None if Newton's method finds none.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-    arc : int
-        The arc.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes towards a longer arc; None if Newton's method finds none.
+    The tangent goes towards a longer arc.
     """
     at = problem.position(guess, arc)
     point = holding(problem, guess, at)
     return point if point is None or point.tangent[at] > 0 else point.turned()
 
 
+def ended_arc(problem: BoundaryProblem, u: FloatArray) -> int:
+    """The shortest arc between two events of one stop, of unknowns of shape (n + F + 1,)."""
+    shares, returning = np.abs(problem.shares(u)), problem.sequence.returning
+    return min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
+
+
 def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:
-    """The change where the shortest arc between two events of one stop has no duration.
+    """The change where the shortest arc between two events of one stop has no duration, from the side with more events.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations, with such an arc.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-
-    Returns
-    -------
-    SequenceChange, or None
-        It comes from the side with more events; None if Newton's method finds none.
+    The guess has shape (n + F + 1,).  None if Newton's method finds no such motion.
     """
-    shares, returning = np.abs(problem.shares(guess)), problem.sequence.returning
-    arc = min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
+    arc = ended_arc(problem, guess)
     point = on_duration(problem, guess, arc)
     return None if point is None else crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
 
 
 def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events of one stop vanish with the arc between them."""
+    """Two events of one stop vanish together with the arc between them."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, first, last = problem.sequence, before.shares.tolist(), problem.group(i - 1), problem.group(i)
     stop, time, gone = sequence.stops[i], sum(shares[:i]), range(first[0], last[-1] + 1)
@@ -419,21 +330,9 @@ def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> CurvePoint | None:
-    """The point of a curve near a guess at which an extremum is zero.
+    """The point near a guess, shape (n + F + 1,), at which an extremum is zero; None if no zero is found.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-    monitor : Monitor
-        The extremum.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes towards where the extremum is below zero; None if no zero is found.
+    The tangent goes towards values of the extremum below zero.
     """
     near = nearest(problem, guess)
     its = None if near is None else same_monitor(near, monitor)
@@ -463,20 +362,8 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
 
 
 def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
-    """The point of a curve nearest to a guess of which no direction is known.
-
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns to begin with.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent has either direction; None if Newton's method finds no point.
-    """
+    """The curve point nearest to a guess, shape (n + F + 1,), where no direction is known; None if Newton's method
+    finds none."""
     scale = scale_of(problem, guess)
     J = problem.linearised(guess).jacobian * scale
     sizes = np.abs(J).max(axis=1)

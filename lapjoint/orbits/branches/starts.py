@@ -16,7 +16,7 @@ from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
 from lapjoint.orbits.branches.sequence_changes import nearest, violated
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
-from lapjoint.orbits.search import TRANSIENT, Effort, Search
+from lapjoint.orbits.search import TRANSIENT, Effort, SteadyStateSearch
 from lapjoint.problem import FloatArray
 
 
@@ -27,17 +27,17 @@ class Start:
     sequence: ContactSequence
     """Its contact sequence."""
     half_periods: int
-    """Half periods after which it repeats."""
+    """Half periods of the excitation after which the motion repeats."""
     phase: float
     """Time of its section over the excitation period."""
     unknowns: FloatArray = field(repr=False)
     """Coordinates of the section, durations over the length, and the parameter."""
     tied: frozenset[int] = frozenset()
-    """As `BoundaryProblem.tied`."""
+    """Events that happen together with the event before, see `BoundaryProblem.tied`."""
     away_from: tuple[float, SectionPoint] | None = None
-    """The bifurcation from which its branch springs: the parameter, and the motion; None if none is known."""
+    """The bifurcation at which its branch springs: the parameter, and the motion; None if none is known."""
     direction: FloatArray | None = field(default=None, repr=False)
-    """A way along the curve to be followed first, in the unit of the unknowns; None for a growing parameter."""
+    """Direction along the curve that is followed first, in the units of the unknowns; None for a growing parameter."""
 
     @property
     def value(self) -> float:
@@ -46,38 +46,15 @@ class Start:
 
     @staticmethod
     def at(point: CurvePoint, away_from: tuple[float, SectionPoint] | None = None) -> Start:
-        """A point of a curve as a start.
-
-        Parameters
-        ----------
-        point : CurvePoint
-            The point, its tangent in the direction to be followed first.
-        away_from : tuple of float and SectionPoint, optional
-            The bifurcation from which its branch springs.
-
-        Returns
-        -------
-        Start
-            The start.
-        """
+        """A curve point as a start, its tangent in the direction that is followed first."""
         problem = point.problem
         way = None if away_from is None else point.tangent * point.scale
         own = problem.sequence, problem.half_periods, problem.phase
         return Start(*own, point.u, problem.tied, away_from, way)
 
     def solved(self, of: ParameterRange) -> CurvePoint | None:
-        """The start as a point of a curve, its tangent in the direction to be followed first.
-
-        Parameters
-        ----------
-        of : ParameterRange
-            The range.
-
-        Returns
-        -------
-        CurvePoint, or None
-            None if Newton's method does not find the motion again, or its contacts are others.
-        """
+        """The start as a curve point, its tangent in the direction that is followed first; None if the motion is not
+        found again."""
         problem = BoundaryProblem(of.resolution(self.value), self.sequence, self.half_periods, self.phase, self.tied)
         found = at_parameter(problem, self.unknowns) or nearest(problem, self.unknowns)
         if found is None or violated(found):
@@ -91,42 +68,16 @@ class Start:
 
 
 def at_parameter(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
-    """The motion near a guess at the parameter of the guess.
+    """The motion near a guess, shape (n + F + 1,), at the guess's parameter; None if Newton's method finds none.
 
-    Parameters
-    ----------
-    problem : BoundaryProblem
-        The equations.
-    guess : FloatArray, shape (n + F + 1,)
-        The unknowns.
-
-    Returns
-    -------
-    CurvePoint, or None
-        Its tangent goes towards a larger parameter; None if Newton's method finds none.
+    The tangent goes towards a larger parameter.
     """
     return holding(problem, guess, guess.size - 1)
 
 
 def start_from(of: ParameterRange, value: float, point: SectionPoint, most_multiple: int) -> Start | None:
-    """The periodic motion that a march comes to, or is near where it does not settle.
-
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    value : float
-        The parameter, in its SI unit.
-    point : SectionPoint
-        Where the march begins.
-    most_multiple : int
-        Largest period multiple.
-
-    Returns
-    -------
-    Start, or None
-        None if none is found.
-    """
+    """The periodic motion near the end of a march from a section point, at a parameter in its SI unit; None if none is
+    found."""
     resolution = of.resolution(value)
     half = HalfPeriods(resolution.map(value))
     try:
@@ -142,31 +93,13 @@ def start_from(of: ParameterRange, value: float, point: SectionPoint, most_multi
 def periodic_motion(
     half: HalfPeriods, point: SectionPoint, most_multiple: int, same: float
 ) -> tuple[SectionPoint, int] | None:
-    """The periodic motion that a march comes to, or is near where it does not settle.
+    """The periodic motion near the end of a march, and the fewest half periods after which it repeats; None if none is
+    found.
 
-    Parameters
-    ----------
-    half : HalfPeriods
-        The map.
-    point : SectionPoint
-        Where the march begins.
-    most_multiple : int
-        Largest period multiple.
-    same : float
-        Distance of two motions over their size up to which they are one.
-
-    Returns
-    -------
-    tuple of SectionPoint and int, or None
-        The motion, and the fewest half periods after which it repeats; None if none is found.
-
-    Raises
-    ------
-    SolverError
-        If the march cannot go on.
+    Two motions are one if their distance over their size is below `same`.  `SolverError` if the march cannot go on.
     """
     effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
-    motion = Search(half.map, effort).run(point).motion
+    motion = SteadyStateSearch(half.map, effort).run(point).motion
     if isinstance(motion, Orbit):
         return motion.point, motion.half_periods  # over its least period
     for count in range(half.least, 2 * most_multiple + 1):
@@ -186,24 +119,8 @@ def _least(half: HalfPeriods, orbit: Orbit, same: float) -> int:
 
 
 def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_periods: int) -> Start:
-    """A motion of which a march is known, with the contact sequence of the march.
-
-    Parameters
-    ----------
-    resolution : Resolution
-        The solver.
-    value : float
-        The parameter, in its SI unit.
-    point : SectionPoint
-        The motion at a multiple of the excitation period.
-    half_periods : int
-        Half periods after which it repeats.
-
-    Returns
-    -------
-    Start
-        The motion.
-    """
+    """A motion whose section point at a multiple of the excitation period is known, with the contact sequence of its
+    march."""
     half = HalfPeriods(resolution.map(value))
     segments = half.linearised(point, half_periods).linearised.motion
     at = np.flatnonzero(segments.switched >= 0)
@@ -217,20 +134,8 @@ def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_pe
 
 
 def without_contact(of: ParameterRange, value: float) -> Start | None:
-    """The motion without contact, where no stop is in its way.
-
-    Parameters
-    ----------
-    of : ParameterRange
-        The range.
-    value : float
-        The parameter, in its SI unit.
-
-    Returns
-    -------
-    Start, or None
-        None if a stop is in its way, or the joint without contact has no such motion.
-    """
+    """The motion without contact, at a parameter in its SI unit; None if a stop is in its way, or there is no such
+    motion."""
     resolution = of.resolution(value)
     arcs = resolution.arcs(value)
     problem = BoundaryProblem(resolution, ContactSequence(FREE), of.least, 0.0)

@@ -12,7 +12,7 @@ from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.branches.bifurcations import Bifurcation, Stretch, within
 from lapjoint.orbits.branches.continuation import End, Step, at_value, follow
 from lapjoint.orbits.branches.errors import carried
-from lapjoint.orbits.branches.halves import half_of, meeting, springing
+from lapjoint.orbits.branches.halves import beside_graze, half_of, meeting, springing
 from lapjoint.orbits.branches.point import SAME, CurvePoint
 from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
 from lapjoint.orbits.branches.sequence_changes import SequenceChange, nearest
@@ -31,6 +31,8 @@ class Limits:
     """Largest number of its points."""
     progress: Callable[[float], None] | None = None
     """Called with the share of the range, or of the points, that is behind."""
+    from_grazes: bool = False
+    """Whether motions of twice the length are looked for beside its grazes."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,11 @@ class Way:
     """Why it ends."""
     mother: Start | None = None
     """The motion over half of the time where it ends as ``bifurcation``."""
+
+    @property
+    def ends_at_graze(self) -> bool:
+        """Whether it ends at a graze."""
+        return bool(self.found) and self.found[-1].after == "ends"
 
     def turned(self) -> Way:
         """The same curve in the opposite direction.
@@ -118,21 +125,37 @@ def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits |
     before = back.turned()
     shift = len(before.points) - 1
     found = [*before.found, *(replace(one, index=one.index + shift) for one in ahead.found)]
-    starts, unsprung = list[Start](), list[Bifurcation]()
-    for one in found:
-        what = one.what
-        if isinstance(what, Bifurcation) and what.kind == "flip" and what.point.problem.half_periods <= most_multiple:
-            new = springing(what.point)
-            if new is None:
-                unsprung.append(what)
-            else:
-                starts.append(Start.at(new, (what.point.value, what.point.section())))
+    starts, unsprung = _sprung([one.what for one in found], most_multiple, limits.from_grazes)
     springs = [] if start.away_from is None else [start.away_from]
     for way in (back, ahead):
         if way.mother is not None:
-            springs.append((way.points[-1].value, way.points[-1].section()))
+            if not limits.from_grazes or not way.ends_at_graze:
+                springs.append((way.points[-1].value, way.points[-1].section()))
             starts.append(way.mother)
     return Traced([*before.points, *ahead.points[1:]], found, (back.end, ahead.end), starts, springs, unsprung)
+
+
+def _sprung(
+    found: list[Bifurcation | SequenceChange], most_multiple: int, from_grazes: bool
+) -> tuple[list[Start], list[Bifurcation]]:
+    """A motion of each branch that springs from a curve, and the bifurcations of which none was found.
+
+    A graze may have a flip so near that the motion there does not tell which of both a branch springs from: that of a
+    graze keeps no bifurcation.
+    """
+    starts, unsprung = list[Start](), list[Bifurcation]()
+    for what in found:
+        mother = what.point if isinstance(what, Bifurcation) else what.fewer
+        if mother.problem.half_periods > most_multiple:
+            continue
+        if isinstance(what, SequenceChange):
+            new = beside_graze(what) if from_grazes else None
+            starts += [] if new is None else [Start.at(new)]
+        elif what.kind == "flip":
+            new = springing(mother)
+            starts += [] if new is None else [Start.at(new, (mother.value, mother.section()))]
+            unsprung += [what] if new is None else []
+    return starts, unsprung
 
 
 def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:

@@ -1,4 +1,4 @@
-"""Tables that the joints of a family share: none of them writes to what another borrows."""
+"""Tables that the joints of a structure share: none of them writes to what another borrows."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def arrays_of(tables: Tables) -> dict[str, np.ndarray]:
 
 
 def test_a_joint_that_meets_new_states_leaves_what_it_has_borrowed_as_it_was() -> None:
-    ratio = 0.0317  # no other test has met states of this family
+    ratio = 0.0317  # no other test has met states of this structure
     first = joint_at(300.0, ratio)
     march(first, started(first), 0.0, 0.05)
-    unit = unit_tables(first.family, first.counts, memory_of(first.family, first.counts).known)
+    unit = unit_tables(first.loaded, first.counts, memory_of(first.loaded, first.counts).known)
     second = joint_at(900.0, ratio)
     assert np.shares_memory(second.tables.turn, unit.tables.turn)
     before = {name: part.copy() for name, part in arrays_of(unit.tables).items()}
@@ -43,7 +43,7 @@ def test_an_undamped_joint_at_resonance_moves_a_mode_of_its_own() -> None:
     plain = joint_at(300.0, 0.0)
     march(plain, started(plain), 0.0, 0.02)
     resonant = float(plain.modal(ContactState(())).modes.omega[0])
-    unit = unit_tables(plain.family, plain.counts, memory_of(plain.family, plain.counts).known)
+    unit = unit_tables(plain.loaded, plain.counts, memory_of(plain.loaded, plain.counts).known)
     before = unit.tables.root.copy()
     assert not np.array_equal(joint_at(resonant, 0.0).tables.root, before)
     assert np.array_equal(unit.tables.root, before)

@@ -13,7 +13,6 @@ from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import started
 from lapjoint import (
     BaseMotion,
-    Beam,
     ModalDamping,
     NoDamping,
     Problem,
@@ -25,8 +24,8 @@ from lapjoint import (
 )
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
+from tests.helpers.beams import CLAMP, LONG
 
-BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
 STOPS = (
     Stop(x=2.0, side="top", gap=2e-3, stiffness=1e5),
     Stop(x=1.0, side="bottom", gap=1e-3, stiffness=1e6),
@@ -38,14 +37,14 @@ PROBLEMS = {
         damping=ViscousDamping(coefficient=2000.0), point_loads=(StepLoad(x=1.0, force=40.0),)
     ),
     "overdamped": Problem(
-        beam=BEAM,
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        beam=LONG,
+        supports=(CLAMP,),
         stops=STOPS,
         damping=ModalDamping(ratio=(3.0, 1.5, 0.1)),
         base_motion=BaseMotion(amplitude=0.05, angular_frequency=35.0),
     ),
     "with a rigid-body mode": Problem(
-        beam=BEAM,
+        beam=LONG,
         supports=(Support(x=0.0, translational=math.inf),),
         stops=(*STOPS, Stop(x=2.0, side="bottom", gap=2e-3, stiffness=1e5)),
         damping=NoDamping(),
@@ -71,8 +70,8 @@ def deviations(segment: Segment, e: FloatArray, t: FloatArray) -> FloatArray:
 
 
 def settled(problem: Problem, modes: int) -> tuple[Joint, Coordinates, float]:
-    assert problem.excitation_frequency is not None
-    period, joint = 2 * math.pi / problem.excitation_frequency, Joint(problem, modes, modes)
+    joint = Joint(problem, modes, modes)
+    period = joint.period or math.nan
     return joint, march(joint, started(joint), 0.0, 3 * period, record=False).end, period
 
 

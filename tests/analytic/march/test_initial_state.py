@@ -9,7 +9,6 @@ from analytic.march import Coordinates, Joint, march
 from analytic.march.initial_state import TOUCHING, resumed
 from lapjoint import (
     BaseMotion,
-    Beam,
     InputError,
     ModalDamping,
     NoDamping,
@@ -17,12 +16,12 @@ from lapjoint import (
     SineLoad,
     StepLoad,
     Stop,
-    Support,
     ViscousDamping,
     paper_joint,
 )
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import Damping
+from tests.helpers.beams import CLAMP, UNIT
 
 _MODES = 5
 LOADED = paper_joint(angular_frequency=300.0).replace(
@@ -67,8 +66,8 @@ def test_modes_that_a_section_point_lacks_follow_the_loads(gap: float, damping: 
     The viscous damping is above critical for the lowest modes; the load at a point keeps the stop closed.
     """
     problem = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=(Stop(x=1.0, side="top", gap=gap, stiffness=50.0),),
         damping=damping,
         base_motion=BaseMotion(amplitude=1e-4, angular_frequency=5.0),

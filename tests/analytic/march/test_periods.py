@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -24,8 +22,7 @@ PROBLEMS = {
 
 
 def period_of(problem: Problem) -> float:
-    assert problem.excitation_frequency is not None
-    return 2 * math.pi / problem.excitation_frequency
+    return problem.require_excitation_period("test")
 
 
 def same(one: Coordinates, other: Coordinates) -> bool:
@@ -33,49 +30,33 @@ def same(one: Coordinates, other: Coordinates) -> bool:
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
-def test_periods_at_once_are_the_periods_one_by_one(name: str) -> None:
+def test_periods_at_once_and_the_growth_of_a_deviation_are_those_one_by_one(name: str) -> None:
     problem, count = PROBLEMS[name], 25
     period, joint = period_of(problem), Joint(problem, 9, 7)
-    now, penetration, sections = started(joint), np.zeros(4), []
-    for _ in range(count):
-        motion = march(joint, now, 0.0, period, record=False)
-        now = motion.end
-        penetration += motion.penetration
-        sections.append(now)
-    fresh = Joint(problem, 9, 7)
-    found = march_periods(fresh, started(fresh), period, count, record=True)
-    assert found.switches > 50
-    assert same(found.end, now)
-    assert found.penetration.tobytes() == penetration.tobytes()
-    assert all(map(same, found.sections, sections))
-    assert len(found.sections) == count
-    unrecorded = march_periods(fresh, started(fresh), period, count)
-    assert same(unrecorded.end, now)
-    assert unrecorded.sections == ()
-
-
-@pytest.mark.parametrize("name", PROBLEMS)
-def test_a_deviation_grows_at_once_as_one_by_one(name: str) -> None:
-    problem, count = PROBLEMS[name], 25
-    period, joint = period_of(problem), Joint(problem, 9, 7)
-    begin = started(joint)
+    begin = now = started(joint)
     deviation = np.random.default_rng(5).standard_normal(18)
-    now, sizes, penetration = begin, np.zeros(count), np.zeros(4)
+    sizes, penetration, sections = np.zeros(count), np.zeros(4), []
     along: FloatArray = deviation.reshape(-1, 1) / size_of(deviation.reshape(-1, 1), period)
     for i in range(count):
-        motion = march(joint, now, 0.0, period)
+        motion = march(joint, now, 0.0, period, record=False)
         _, along = march_linearised(joint, now, period, along)
         sizes[i] = size_of(along, period)
         along = along / sizes[i]
         now = motion.end
         penetration += motion.penetration
+        sections.append(now)
     fresh = Joint(problem, 9, 7)
-    found = measure_growth(fresh, begin, deviation, period, count)
-    assert same(found.end, now)
-    np.testing.assert_allclose(found.growth, np.log(sizes), rtol=1e-14, atol=1e-14)
-    assert found.deviation.tobytes() == along[:, 0].tobytes()
-    assert found.penetration.tobytes() == penetration.tobytes()
-    assert all(map(same, found.sections, march_periods(fresh, begin, period, count, record=True).sections))
+    bare, grown = march_periods(fresh, begin, period, count), measure_growth(fresh, begin, deviation, period, count)
+    for found in (bare, grown):
+        assert found.switches > 50
+        assert same(found.end, now)
+        assert found.penetration.tobytes() == penetration.tobytes()
+    assert len(grown.slots) == count
+    for slot, y, section in zip(grown.slots, grown.coordinates, sections, strict=True):
+        assert fresh.state_in(slot) == section.state
+        assert y[:, : section.q.size].tobytes() == section.y.tobytes()
+    np.testing.assert_allclose(grown.growth, np.log(sizes), rtol=1e-14, atol=1e-14)
+    assert grown.deviation.tobytes() == along[:, 0].tobytes()
 
 
 def test_too_many_switches_are_an_error() -> None:

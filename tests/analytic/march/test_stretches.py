@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 import analytic
-from analytic.march import stretches
+from analytic import answers
+from analytic.march.stretches import StretchSize
 from lapjoint import BaseMotion, History, InputError, Problem, paper_joint
 from lapjoint.answers import Contact
 from lapjoint.problem import PolynomialShape, RandomBaseMotion, RecordBaseMotion, SineLoad, StepLoad
@@ -61,18 +62,16 @@ def _joined(contacts: list[Contact]) -> list[Contact]:
     return sorted(whole, key=lambda contact: (contact.start, contact.stop))
 
 
-def _stretches(problem: Problem, end: float, rows: int, monkeypatch: pytest.MonkeyPatch) -> list[History]:
-    monkeypatch.setattr(stretches, "ROWS", rows)
-    monkeypatch.setattr(stretches, "_ROOM", 5)
-    monkeypatch.setattr(stretches, "_STEPS", 0.5)
-    return list(SOLVER.stream(problem, end))
+def _stretches(problem: Problem, end: float, rows: int) -> list[History]:
+    size = StretchSize(rows, room=5, steps=0.5)
+    return list(answers.stream(problem, SOLVER.name, SOLVER.mode_counts(problem), end, None, size))
 
 
 @pytest.mark.parametrize("name", EXCITATIONS)
-def test_stretches_come_to_the_motion_as_a_whole(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_stretches_come_to_the_motion_as_a_whole(name: str) -> None:
     problem = _problem(name)
     whole = SOLVER.simulate(problem, END, errors=False)
-    parts = _stretches(problem, END, 12, monkeypatch)
+    parts = _stretches(problem, END, 12)
     assert len(parts) > 1
     assert (parts[0].start, parts[-1].end) == (0.0, END)
     for one, other in pairwise(parts):
@@ -99,8 +98,8 @@ def test_stretches_come_to_the_motion_as_a_whole(name: str, monkeypatch: pytest.
             assert np.max(np.abs(one - other)) < 1e-7 * np.max(np.abs(other))
 
 
-def test_a_contact_over_an_end_is_open_in_both(monkeypatch: pytest.MonkeyPatch) -> None:
-    parts = _stretches(_problem("random"), END, 4, monkeypatch)
+def test_a_contact_over_an_end_is_open_in_both() -> None:
+    parts = _stretches(_problem("random"), END, 4)
     cut = [(one, other) for one, other in pairwise(parts) if one.states[-1].closed]
     assert cut
     for one, other in cut:

@@ -7,6 +7,7 @@ then, while a motion that converges to a periodic one shows nothing of it.
 from __future__ import annotations
 
 import math
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -15,10 +16,10 @@ import pytest
 import analytic
 from analytic import ensemble
 from analytic.march import gap_view, growth, linearised, march, march_linearised, periods
-from analytic.march.compiled import SWITCHES, Motion
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
-from analytic.march.march import next_switches, settle_status
+from analytic.march.march import settle_status
+from analytic.march.motion import SWITCHES, Motion
 from analytic.period_map import PeriodMap
 from lapjoint import FREE, ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint
@@ -126,10 +127,10 @@ def test_long_marches_come_back_from_compiled_code_before_long(monkeypatch: pyte
         settle_status(of, motion, status, max_switches)
 
     period_map, point = of_many_switches()
-    for module in (growth, periods, ensemble):
+    for module in (periods, ensemble):
         monkeypatch.setattr(module, "settle_status", counting)
     monkeypatch.setattr(growth, "WITH_ALL_AT_ONCE", 10)
-    monkeypatch.setattr(next_switches, "__defaults__", (10,))
+    monkeypatch.setattr(sys.modules[settle_status.__module__], "SWITCHES_AT_ONCE", 10)
     begin = Coordinates(point.state, *point.coordinates)
     marches = [
         lambda: march_linearised(period_map.joint, begin, LONG / 2 * period_map.period, np.eye(point.coordinates.size)),

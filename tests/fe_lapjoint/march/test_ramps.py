@@ -13,7 +13,7 @@ from scipy.integrate import fixed_quad, solve_ivp
 
 import fe_lapjoint
 from fe_lapjoint.march.model import Model
-from fe_lapjoint.march.ramp_motion import LONGEST
+from fe_lapjoint.march.ramp_march import LONGEST
 from fe_lapjoint.march.system import build_system
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes

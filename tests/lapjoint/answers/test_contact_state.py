@@ -54,35 +54,25 @@ def test_a_state_can_be_closed_if_it_is_one_of_those_listed() -> None:
     assert [state for state in subsets if can_be_closed(problem, state)] == list(listed)
 
 
-def test_too_many_states_are_counted_and_not_listed() -> None:
-    many = beam_with(*(stop((i + 1) / 20_000, "top") for i in range(20_000)))
-    with pytest.raises(InputError, match=r"these have some 10\^6021 contact states; at most 4096 can be listed"):
+@pytest.mark.parametrize(("number", "told"), [(40, f"{2**40}"), (20_000, r"some 10\^6021")])
+def test_too_many_states_are_counted_and_not_listed(number: int, told: str) -> None:
+    many = beam_with(*(stop((i + 1) / number, "top") for i in range(number)))
+    with pytest.raises(InputError, match=f"these have {told} contact states; at most 4096 can be listed"):
         contact_states(many)
 
 
-def test_opposite_stops_at_one_place_never_close_together() -> None:
-    states = contact_states(beam_with(stop(1.0, "top"), stop(1.0, "bottom")))
-    assert [state.closed for state in states] == [(), (0,), (1,)]
-
-
-def test_stops_on_one_side_close_in_the_order_of_their_gaps() -> None:
-    states = contact_states(beam_with(stop(1.0, "top", 2e-3), stop(1.0, "top", 1e-3)))
-    assert [state.closed for state in states] == [(), (1,), (0, 1)]
-
-
-def test_stops_with_the_same_gap_close_together() -> None:
-    states = contact_states(beam_with(stop(1.0, "top", 1e-3), stop(1.0, "top", 1e-3)))
-    assert [state.closed for state in states] == [(), (0, 1)]
-
-
-def test_a_beam_without_stops_has_one_state() -> None:
-    assert contact_states(beam_with()) == (FREE,)
-
-
-def test_too_many_states_are_refused_and_not_listed() -> None:
-    many = beam_with(*(stop(i / 40, "top") for i in range(40)))
-    with pytest.raises(InputError, match=f"{2**40} contact states"):
-        contact_states(many)
+@pytest.mark.parametrize(
+    ("stops", "closed"),
+    [
+        pytest.param([], [()], id="a beam without stops has one state"),
+        pytest.param([("top", 0.0), ("bottom", 0.0)], [(), (0,), (1,)], id="opposite stops never close together"),
+        pytest.param([("top", 2e-3), ("top", 1e-3)], [(), (1,), (0, 1)], id="stops close in the order of their gaps"),
+        pytest.param([("top", 1e-3), ("top", 1e-3)], [(), (0, 1)], id="stops with equal gaps close together"),
+    ],
+)
+def test_states_of_stops_at_one_place(stops: list[tuple[str, float]], closed: list[tuple[int, ...]]) -> None:
+    states = contact_states(beam_with(*(stop(1.0, *one) for one in stops)))
+    assert [state.closed for state in states] == closed
 
 
 def test_a_state_is_a_set_and_toggling_undoes_itself() -> None:

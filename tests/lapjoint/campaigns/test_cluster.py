@@ -188,7 +188,7 @@ def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(clus
 
 @pytest.mark.slow
 def test_the_script_of_the_page_on_clusters_runs(tmp_path: Path) -> None:
-    page = (Path(__file__).resolve().parents[3] / "docs" / "many-points.md").read_text(encoding="utf-8")
+    page = (Path(__file__).resolve().parents[3] / "docs" / "sweeps.md").read_text(encoding="utf-8")
     (script,) = re.findall(r"^```py\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
     (tmp_path / "script.py").write_text(script, encoding="utf-8")
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)

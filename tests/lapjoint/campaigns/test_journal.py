@@ -20,17 +20,17 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from counting_solver import asked, installed
+from counting_solver import asked
 
-import lapjoint.campaigns.batch
-import lapjoint.campaigns.dataset
+import lapjoint.campaigns.running
 from lapjoint import ContactState, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.campaigns import FREQUENCY, Axis, run
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.journal import Journal, journal_path
-from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.journal import CellJournal, journal_path
 from lapjoint.campaigns.point import Point, plain_section, section_from
+from lapjoint.campaigns.sweep.running import SweepJob
+from lapjoint.campaigns.sweep.spec import Plan
 from lapjoint.errors import DamageWarning, InputError, OutputError
 
 JOINT = paper_joint()
@@ -55,16 +55,10 @@ def plan(**changes: Any) -> Plan:
 
 
 @pytest.fixture
-def out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A file to sweep to, with the counting solver installed."""
-    folder = tmp_path / "package"
-    folder.mkdir()
-    monkeypatch.setenv("PYTHONPATH", installed(folder))
-    monkeypatch.setenv("COUNTING_LOG", str(tmp_path / "log"))
-    monkeypatch.syspath_prepend(str(folder))
+def out(counting: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file to sweep to by the counting solver, which hands back each point at once."""
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
-    lapjoint.campaigns.batch._made.cache_clear()
-    return tmp_path / "curve.nc"
+    return counting / "curve.nc"
 
 
 class StopHereError(Exception):
@@ -100,12 +94,12 @@ def warns_of(path: Path, kept: str) -> Iterator[None]:
 
 @pytest.mark.parametrize("modal", [True, False])
 def test_what_it_keeps_comes_back_exactly(modal: bool, tmp_path: Path) -> None:
-    journal = Journal(plan(), tmp_path / "curve.nc")
+    journal = CellJournal(SweepJob(plan()), tmp_path / "curve.nc")
     coordinates, nodes = np.array([[1 / 3, -0.0], [5e-324, 1e300]]), None if modal else np.array([0.0, 0.1, 2 / 3])
     section = SectionPoint(ContactState((1, 3)), coordinates, nodes)
     journal.append({7: POINT, 8: Point(message="é")}, plain_section(section))
     journal.close()
-    again = Journal(plan(), tmp_path / "curve.nc")
+    again = CellJournal(SweepJob(plan()), tmp_path / "curve.nc")
     assert list(again.points) == [7, 8]
     assert json.dumps(astuple(again.points[7])) == json.dumps(astuple(POINT))
     assert again.points[8].message == "é"
@@ -191,7 +185,7 @@ def test_what_is_not_a_sweep_is_not_overwritten(out: Path) -> None:
 
 
 def test_two_at_once_are_refused(out: Path) -> None:
-    journal = Journal(plan(), out)
+    journal = CellJournal(SweepJob(plan()), out)
     with pytest.raises(InputError, match="another process is at work on it"):
         run(plan(), out=out)
     journal.close()
@@ -264,9 +258,9 @@ def test_a_file_that_may_not_grow_ends_the_command_with_status_3(room: int, out:
 
 
 def test_a_finished_sweep_is_read_once_and_a_new_one_not_at_all(out: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    read, reads = lapjoint.campaigns.dataset.read_result, []
+    read, reads = lapjoint.campaigns.running.read_result, []
     counted = lambda path, noun: reads.append(path) or read(path, noun)  # noqa: E731
-    monkeypatch.setattr(lapjoint.campaigns.dataset, "read_result", counted)
+    monkeypatch.setattr(lapjoint.campaigns.running, "read_result", counted)
     made = run(plan(), out=out)
     assert reads == []
     xr.testing.assert_identical(run(plan(), out=out), made)
@@ -314,7 +308,7 @@ def resumed(this: Plan, out: Path) -> dict[int, str] | None:
     """The points that a journal gives back, and the section points that go on from them; None if it is refused."""
     content = journal_path(out).read_bytes()
     try:
-        journal = Journal(this, out)
+        journal = CellJournal(SweepJob(this), out)
     except InputError:
         assert journal_path(out).read_bytes() == content
         return None
@@ -378,7 +372,7 @@ def test_a_journal_is_left_without_its_damaged_lines(out: Path) -> None:
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join([b"x" + lines[0], *lines[1:4], lines[4][:-9], *lines[5:]]))
     with warns_of(path, "2 lines are damaged and dropped; 8 of 20 points are whole"):
-        Journal(this, out).close()
+        CellJournal(SweepJob(this), out).close()
     assert path.read_bytes().splitlines(keepends=True) == [*lines[:4], *lines[6:]]
     assert sorted(each.name for each in out.parent.glob("*journal*")) == ["curve.nc.journal"]
-    Journal(this, out).close()
+    CellJournal(SweepJob(this), out).close()

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from counting_solver import asked, installed
+from counting_solver import asked
 
-import lapjoint.campaigns.batch
 from lapjoint import BaseMotion, HarmonicsBaseMotion, Problem, SampledShape, SineLoad, StepLoad, paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.campaigns.grid import MOST_POINTS, UNITS, Grid
@@ -30,18 +29,6 @@ from lapjoint.problem.excitation import Wave
 FEW = {"n_modes": 4}  # the least that is quick; no accuracy is asked of these tests
 JOINT = paper_joint()
 FREQUENCIES = Axis(FREQUENCY, range(100, 140))
-
-
-@pytest.fixture
-def counting(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """The counting solver, installed for this process and its children; a folder for its files."""
-    folder = tmp_path / "package"
-    folder.mkdir()
-    monkeypatch.setenv("PYTHONPATH", installed(folder))
-    monkeypatch.setenv("COUNTING_LOG", str(tmp_path / "log"))
-    monkeypatch.syspath_prepend(str(folder))
-    lapjoint.campaigns.batch._made.cache_clear()
-    return tmp_path
 
 
 def counted(**options: Any) -> dict[str, Any]:
@@ -78,19 +65,14 @@ def test_the_leading_multiplier_of_a_pair_has_a_positive_imaginary_part(counting
     assert (curve.multiplier_imag == 0.4).all()
 
 
-def test_growth_on_the_way_is_measured_only_if_asked(counting: Path) -> None:
-    without, asked_for = (sweep(JOINT, [FREQUENCIES], sensitivity=yes, **counted()) for yes in (False, True))
-    assert "growth" not in without
-    np.testing.assert_array_equal(asked_for.growth, asked_for.angular_frequency)
-    xr.testing.assert_equal(without, asked_for.drop_vars("growth"))
-
-
-def test_errors_are_estimated_only_if_asked(counting: Path) -> None:
-    without, asked_for = (sweep(JOINT, [FREQUENCIES], errors=yes, **counted()) for yes in (False, True))
-    assert "impulse_error" not in without
-    np.testing.assert_array_equal(asked_for.impulse_error, asked_for.impulse / 1e3)
-    assert asked_for.impulse_error.units == "N s"
-    xr.testing.assert_equal(without, asked_for.drop_vars("impulse_error"))
+def test_growth_on_the_way_and_errors_are_given_only_if_asked(counting: Path) -> None:
+    plain = sweep(JOINT, [FREQUENCIES], **counted())
+    both = sweep(JOINT, [FREQUENCIES], sensitivity=True, errors=True, **counted())
+    assert not {"growth", "impulse_error"} & set(plain)
+    np.testing.assert_array_equal(both.growth, both.angular_frequency)
+    np.testing.assert_array_equal(both.impulse_error, both.impulse / 1e3)
+    assert both.impulse_error.units == "N s"
+    xr.testing.assert_equal(plain, both.drop_vars(["growth", "impulse_error"]))
 
 
 @pytest.mark.parametrize("mapper", [map, "threads"])
@@ -440,7 +422,7 @@ def test_bad_input_is_refused_before_any_work(
 @pytest.mark.thorough
 def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
     path = counting / "script.py"
-    once = "import lapjoint.machine.processes\nlapjoint.processes.MOST_STARTS = 1\n"
+    once = "import lapjoint.machine.processes\nlapjoint.machine.processes.MOST_STARTS = 1\n"
     path.write_text(once + SCRIPT.replace('if __name__ == "__main__":', "if True:"))
     arguments = [str(counting / "curve.nc"), "2", "rest", "{}"]
     done = subprocess.run([sys.executable, str(path), *arguments], capture_output=True, text=True, timeout=60)

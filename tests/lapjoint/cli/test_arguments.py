@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lapjoint.cli.arguments import axes_from, axis_from, frequencies, options_from
+from lapjoint.cli.arguments import axes_from, axis_from, frequencies
+from lapjoint.cli.options import SolverChoice
 from lapjoint.cli.printing import write_json
 
 
@@ -32,8 +33,8 @@ def test_an_axis_is_a_range_with_both_ends_or_a_list() -> None:
 
 
 def test_the_number_of_modes_is_that_of_its_own_option() -> None:
-    assert options_from(12, None, ("max-periods=30",)) == {"n_modes": 12, "max_periods": 30}
-    assert options_from(None, 40, ("elements=7",)) == {"elements": 40}
+    assert SolverChoice("fe", 12, None, ("max-periods=30",)).numerics == {"n_modes": 12, "max_periods": 30}
+    assert SolverChoice("fe", None, 40, ("elements=7",)).numerics == {"elements": 40}
 
 
 def test_a_number_that_is_not_finite_is_none_in_json(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from lapjoint.cli.main import main
 from lapjoint.solver import solver_names
 from validation.suite import case_names
 
-README = (Path(__file__).resolve().parents[3] / "README.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[3] / "docs" / "commands.md").read_text(encoding="utf-8")
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -27,8 +27,8 @@ def offered(*words: str, begun: str = "") -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_the_script_for_each_shell_is_made_as_the_readme_says(shell: str) -> None:
-    assert f"_LAPJOINT_COMPLETE={shell}_source lapjoint" in README
+def test_the_script_for_each_shell_is_made_as_the_page_says(shell: str) -> None:
+    assert f"_LAPJOINT_COMPLETE={shell}_source lapjoint" in PAGE
     code = "import sys; sys.argv = ['lapjoint']; from lapjoint.cli.start import main; main()"
     environment = os.environ | {"_LAPJOINT_COMPLETE": f"{shell}_source"}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, timeout=60)

@@ -4,37 +4,24 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from amplitude_ranges import docs_cantilever
+from command_line import assert_refused, run, run_well
 
 import lapjoint
-from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
 from lapjoint.campaigns.branches.table import read_branches
 from lapjoint.campaigns.confirm.table import VERDICTS
 from lapjoint.campaigns.dataset import read_result
-from lapjoint.cli.main import main
 from lapjoint.files.netcdf import write_netcdf
 
 ELEMENTS = ("--elements", "4")
 
 
-def run(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
 @pytest.fixture(scope="module")
 def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Branches of a cantilever with one stop: a graze and two folds."""
-    joint = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
-        damping=ViscousDamping(coefficient=0.8),
-        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
-    )
     path = tmp_path_factory.mktemp("confirm") / "branch.nc"
-    lapjoint.branch(joint, "base_motion.amplitude", 3e-4, 4e-4, options={"n_modes": 8}, out=path)
+    lapjoint.branch(docs_cantilever(), "base_motion.amplitude", 3e-4, 4e-4, options={"n_modes": 8}, out=path)
     return path
 
 
@@ -48,12 +35,11 @@ def shifted(branches: Path, by: float, path: Path) -> Path:
 
 def test_both_solvers_agree_and_the_table_says_so_once(branches: Path, tmp_path: Path) -> None:
     command = ("confirm", branches, *ELEMENTS, "--out", tmp_path / "c.nc")
-    result = run(*command)
-    assert result.exit_code == 0, result.output
-    assert result.stdout.startswith(f"Wrote {tmp_path / 'c.nc'}\nanalytic (modes 8), and FE (4 elements, exact):\n")
-    rows = {line.split("  ")[0]: line.split()[-7:] for line in result.stdout.splitlines()[3:]}
+    printed = run_well(*command)
+    assert printed.startswith(f"Wrote {tmp_path / 'c.nc'}\nanalytic (modes 8), and FE (4 elements, exact):\n")
+    rows = {line.split("  ")[0]: line.split()[-7:] for line in printed.splitlines()[3:]}
     assert {name: row[1:4] for name, row in rows.items()} == dict.fromkeys(("fold", "grazing", "all"), ["0"] * 3)
-    assert run(*command).stdout.startswith(f"{tmp_path / 'c.nc'}: holds this confirmation already, finished")
+    assert run_well(*command).startswith(f"{tmp_path / 'c.nc'}: holds this confirmation already, finished")
     found = read_result(tmp_path / "c.nc", "confirmation")
     assert (found.ratio.values <= 1).all()
     assert (found.other_value.values != found.value.values).all()
@@ -83,11 +69,7 @@ def test_bifurcations_that_were_shifted_are_apart(branches: Path, tmp_path: Path
 def test_wrong_options_are_refused_in_a_line(
     branches: Path, tmp_path: Path, arguments: tuple[str, ...], said: str
 ) -> None:
-    result = run("confirm", branches, *arguments, "--out", tmp_path / "c.nc")
-    assert result.exit_code == 2
-    assert said in result.stderr
-    assert result.stderr.startswith("lapjoint: ")
-    assert result.stderr.count("\n") == 1
+    assert_refused(run("confirm", branches, *arguments, "--out", tmp_path / "c.nc"), said, lines=1)
     assert not list(tmp_path.iterdir())
 
 
@@ -105,13 +87,10 @@ def test_files_that_cannot_be_confirmed_are_refused_in_a_line(branches: Path, tm
         "missing.nc": "missing.nc",
     }
     for name, reason in reasons.items():
-        result = run("confirm", tmp_path / name, *ELEMENTS, "--out", tmp_path / "c.nc")
-        assert (result.exit_code, result.stderr.count("\n")) == (2, 1), name
-        assert reason in result.stderr, name
+        assert_refused(run("confirm", tmp_path / name, *ELEMENTS, "--out", tmp_path / "c.nc"), reason, lines=1)
 
 
 def test_another_confirmation_in_the_file_is_not_thrown_away(branches: Path, tmp_path: Path) -> None:
-    assert run("confirm", branches, *ELEMENTS, "--share", "0.3", "--out", tmp_path / "c.nc").exit_code == 0
-    result = run("confirm", branches, *ELEMENTS, "--share", "0.3", "--seed", "1", "--out", tmp_path / "c.nc")
-    assert result.exit_code == 2
-    assert "is the result of another confirmation" in result.stderr
+    command = ("confirm", branches, *ELEMENTS, "--share", "0.3", "--out", tmp_path / "c.nc")
+    run_well(*command)
+    assert_refused(run(*command, "--seed", "1"), "is the result of another confirmation")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -48,3 +50,9 @@ def test_an_unknown_command_is_named() -> None:
     done = CliRunner().invoke(main, ["no-such"])
     assert done.exit_code == 2
     assert "No such command 'no-such'" in done.output
+
+
+def test_the_package_runs_as_the_command() -> None:
+    for option, begins in (("--version", "lapjoint, version"), ("-h", "Usage: python -m lapjoint")):
+        done = subprocess.run([sys.executable, "-m", "lapjoint", option], capture_output=True, text=True, check=True)
+        assert done.stdout.startswith(begins)

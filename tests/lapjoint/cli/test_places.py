@@ -7,17 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
+from command_line import assert_refused, run, run_well
 
 from lapjoint import figures
-from lapjoint.cli.main import main
+from lapjoint.cli.options import DRAWINGS
 
 SIMULATE = ("simulate", "preset:paper", "--modes", "3", "--duration", "0.02", "--no-errors")
 STEADY = ("steady", "preset:paper", "--modes", "3", "--no-errors")
-
-
-def run(*command: str) -> Any:
-    return CliRunner().invoke(main, list(command))
 
 
 @pytest.mark.parametrize(
@@ -32,12 +28,10 @@ def run(*command: str) -> Any:
 def test_a_figure_is_drawn_at_the_places_asked_for(
     draw: str, at: str, x: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    name, seen = {"motion": "plot_motion", "phase": "plot_phase_portrait", "poincare": "plot_poincare_section"}, []
-    function = name.get(draw, "plot_spectrum")
+    function, seen = DRAWINGS[draw].function, []
     drawn = getattr(figures, function)
     monkeypatch.setattr(figures, function, lambda history, **places: seen.append(places) or drawn(history, **places))
-    result = run(*SIMULATE, "--figure", str(tmp_path / "figure.png"), "--draw", draw, "--at", at)
-    assert result.exit_code == 0, result.output
+    run_well(*SIMULATE, "--figure", tmp_path / "figure.png", "--draw", draw, "--at", at)
     assert seen == [{"x": x}]
 
 
@@ -55,16 +49,12 @@ def test_a_figure_is_drawn_at_the_places_asked_for(
     ],
 )
 def test_places_that_nothing_shows_are_refused(options: tuple[str, ...], message: str) -> None:
-    result = run(*SIMULATE, *options)
-    assert result.exit_code == 2
-    assert message in result.stderr
+    assert_refused(run(*SIMULATE, *options), message)
 
 
 def test_steady_prints_peaks_at_the_places_asked_for(tmp_path: Path) -> None:
     out = tmp_path / "steady.json"
-    result = run(*STEADY, "--at", "x=0.7", "--json", str(out))
-    assert result.exit_code == 0, result.output
-    lines = result.stdout.splitlines()
+    lines = run_well(*STEADY, "--at", "x=0.7", "--json", out).splitlines()
     (row,) = (line for line in lines if line.startswith("moment [N m]"))
     assert "0.7 m" in row
     assert any(line.startswith("stress [Pa]") for line in lines)

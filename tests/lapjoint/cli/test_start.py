@@ -16,60 +16,38 @@ from lapjoint.compiled.compiling import MESSAGE
 
 START = (sys.executable, "-c", "import sys; from lapjoint.cli.start import main; main()")
 SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--modes", "3")
-INTERRUPT_IN = """
-import os, signal, sys
-from lapjoint.cli.start import main
-{way}
-main()
+IMPORT = """
+import builtins
+real = builtins.__import__
+def interrupted(name, *rest):
+    if name == "{module}":
+        builtins.__import__ = real
+        {interrupt}
+    return real(name, *rest)
+builtins.__import__ = interrupted
 """
-WAYS = {
-    "an import": """
-import builtins
-real = builtins.__import__
-def interrupted(name, *rest):
-    if name == "scipy":
-        builtins.__import__ = real
-        os.kill(os.getpid(), signal.SIGINT)
-    return real(name, *rest)
-builtins.__import__ = interrupted
-""",
-    "an import that makes another error of it": """
-import builtins
-real = builtins.__import__
-def interrupted(name, *rest):
-    if name == "numpy":
-        builtins.__import__ = real
-        try:
-            os.kill(os.getpid(), signal.SIGINT)
-        except BaseException:
-            raise SystemError("returned a result with an exception set") from None
-    return real(name, *rest)
-builtins.__import__ = interrupted
-""",
-    "a destructor": """
+READING = """
 import lapjoint.cli.arguments as arguments
 real = arguments.problem_from
 class Dying:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGINT)
 def interrupted(*given):
-    Dying()
+    {interrupt}
     for _ in range(1000):
         pass
     return real(*given)
 arguments.problem_from = interrupted
-""",
-    "what takes no notice": """
-import lapjoint.cli.arguments as arguments
-real = arguments.problem_from
-def interrupted(*given):
-    try:
-        os.kill(os.getpid(), signal.SIGINT)
-    except BaseException:
-        pass
-    return real(*given)
-arguments.problem_from = interrupted
-""",
+"""
+KILL = "os.kill(os.getpid(), signal.SIGINT)"
+ERROR = "raise SystemError('returned a result with an exception set') from None"
+WAYS = {
+    "an import": IMPORT.format(module="scipy", interrupt=KILL),
+    "an import that makes another error of it": IMPORT.format(
+        module="numpy", interrupt=f"try: {KILL}\n        except BaseException: {ERROR}"
+    ),
+    "a destructor": READING.format(interrupt="Dying()"),
+    "what takes no notice": READING.format(interrupt=f"try: {KILL}\n    except BaseException: pass"),
 }
 
 
@@ -88,7 +66,7 @@ def environment(cache: Path) -> dict[str, str]:
     "way", [pytest.param(it, marks=pytest.mark.thorough if it == "a destructor" else ()) for it in WAYS]
 )
 def test_ctrl_c_is_not_lost(way: str) -> None:
-    script = INTERRUPT_IN.format(way=WAYS[way])
+    script = f"import os, signal, sys\nfrom lapjoint.cli.start import main\n{WAYS[way]}\nmain()"
     command = [sys.executable, "-c", script, *SIMULATE]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100, preexec_fn=listening)
     assert (done.returncode, messages(done.stderr)) == (130, ["lapjoint: interrupted"])
@@ -174,8 +152,7 @@ def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(tmp_path: Path, 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 @pytest.mark.parametrize(
-    "command",
-    [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)],
+    "command", [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)]
 )
 def test_standard_output_on_a_full_disk_is_one_line(command: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:

@@ -15,24 +15,25 @@ from lapjoint.answers import Exponent
 from lapjoint.errors import SolverError
 
 
-def test_ctrl_c_ends_with_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
+def raising(error: BaseException, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let simulations raise an error."""
 
-    monkeypatch.setattr(Solver, "simulate", interrupted)
+    def raises(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(Solver, "simulate", raises)
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [(KeyboardInterrupt(), 130, "interrupted"), (SolverError("stopped at t = 0.1 s"), 1, "stopped at t = 0.1 s")],
+)
+def test_ctrl_c_and_a_solver_that_gives_up_end_with_a_status(
+    error: BaseException, status: int, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    raising(error, monkeypatch)
     result = run(*SIMULATE)
-    assert result.exit_code == 130
-    assert result.stderr == "lapjoint: interrupted\n"
-
-
-def test_a_solver_that_gives_up_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    def gives_up(*_: object, **__: object) -> None:
-        raise SolverError("stopped at t = 0.1 s")
-
-    monkeypatch.setattr(Solver, "simulate", gives_up)
-    result = run(*SIMULATE)
-    assert result.exit_code == 1
-    assert result.stderr == "lapjoint: stopped at t = 0.1 s\n"
+    assert (result.exit_code, result.stderr) == (status, f"lapjoint: {said}\n")
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +42,14 @@ def found() -> SteadyState:
     return Solver(n_modes=8).steady_state(paper_joint())
 
 
+def undecided(found: SteadyState, value: float, error: float, periods: int) -> SteadyState:
+    """A march that did not settle, with an exponent."""
+    exponent = Exponent(value, error, periods, time=periods / 20, halves=(value,) * 2, quarters=(value,) * 4)
+    return replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
+
+
 def test_an_undecided_motion_ends_with_status_1(found: SteadyState, monkeypatch: pytest.MonkeyPatch) -> None:
-    exponent = Exponent(0.1, 0.2, 400, time=4.0, halves=(0.0, 0.2), quarters=(0.0, 0.0, 0.2, 0.2))
-    undecided = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
-    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided(found, 0.1, 0.2, 400))
     result = run("steady", PAPER)
     assert result.exit_code == 1
     assert "the motion did not settle" in result.stdout
@@ -56,9 +61,7 @@ def test_an_undecided_motion_ends_with_status_1(found: SteadyState, monkeypatch:
 def test_a_motion_of_more_periods_than_were_looked_for_is_said_to_be_one(
     found: SteadyState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    exponent = Exponent(-0.3, 0.01, 4000, time=200.0, halves=(-0.3, -0.3), quarters=(-0.3,) * 4)
-    longer = replace(found, outcome=Outcome.UNDECIDED, period_multiple=0, multipliers=np.zeros(0), exponent=exponent)
-    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: longer)
+    monkeypatch.setattr(Solver, "steady_state", lambda *_, **__: undecided(found, -0.3, 0.01, 4000))
     assert "repeats, but after more periods than max_period_multiple" in run("steady", PAPER).stdout
 
 
@@ -82,8 +85,5 @@ def test_validate_passes_on_what_is_asked_and_the_verdict(
 
 
 def test_a_fault_of_the_program_is_not_dressed_up_as_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(*_: object, **__: object) -> None:
-        raise ValueError("a bug")
-
-    monkeypatch.setattr(Solver, "simulate", broken)
+    raising(ValueError("a bug"), monkeypatch)
     assert isinstance(run(*SIMULATE).exception, ValueError)

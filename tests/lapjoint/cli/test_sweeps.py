@@ -26,7 +26,7 @@ SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--mode
 
 
 def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.campaigns.dataset import read_curve
+    from lapjoint.campaigns.sweep.table import read_curve
 
     monkeypatch.chdir(tmp_path)
     printed = run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2")
@@ -45,7 +45,7 @@ def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: p
 
 
 def test_a_sweep_needs_no_frequencies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.campaigns.dataset import read_curve
+    from lapjoint.campaigns.sweep.table import read_curve
 
     monkeypatch.chdir(tmp_path)
     run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--modes", "4", "--out", "curve.nc")

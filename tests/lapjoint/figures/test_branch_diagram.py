@@ -48,21 +48,29 @@ def diagram(*folds: tuple[float, int]) -> Diagram:
     return Diagram([branch])
 
 
+def dataset_of(*diagrams: Diagram, other: Stop | None = None, also: Axis | None = None) -> xr.Dataset:
+    """Diagrams, one for each value of `also`, as a dataset; the joint may have another stop."""
+    joint = cantilever()
+    joint = joint if other is None else joint.replace(stops=(*joint.stops, other))
+    return branch_dataset(BranchSpec(joint, "base_motion.angular_frequency", 1.0, 4.0, also_over=also), [*diagrams])
+
+
+BELOW = cantilever().stops[0].model_copy(update={"side": "bottom", "name": "below"})
+
+
 @pytest.fixture
 def dataset() -> xr.Dataset:
     """A branch with two folds, written by hand."""
-    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
-    return branch_dataset(plan, [diagram((3.1, 3), (1.9, 5))])
+    return dataset_of(diagram((3.1, 3), (1.9, 5)))
 
 
 @pytest.fixture
-def in_two_numbers() -> xr.Dataset:
-    """The same at three gaps; at the last one fold is far away, and there is a flip."""
+def in_two_parameters() -> xr.Dataset:
+    """Branches with two folds at three gaps; at the last gap one fold is far away, and there is a flip."""
     also = Axis("stops.*.gap", (2e-3, 1e-3, 3e-3))
-    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
     last = diagram((1.2, 3), (1.95, 5), (3.5, 6))
     last.branches[0]["bifurcations"][2]["kind"] = "flip"
-    return branch_dataset(plan, [diagram((3.2, 3), (1.9, 5)), diagram((3.1, 3), (1.8, 5)), last])
+    return dataset_of(diagram((3.2, 3), (1.9, 5)), diagram((3.1, 3), (1.8, 5)), last, also=also)
 
 
 def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) -> None:
@@ -71,14 +79,13 @@ def test_stable_parts_are_solid_and_unstable_ones_dashed(dataset: xr.Dataset) ->
     assert drawn[:3] == [([1.0, 2.0, 3.0, 3.1], False), ([3.1, 2.5, 2.0, 1.9], True), ([1.9, 3.0, 4.0], False)]
 
 
-def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE, ordinate: str = "impulse") -> list[Any]:
+def lines_of(*found: dict[str, Any], stable: tuple[bool, ...] = STABLE) -> list[Any]:
     """What is drawn of a branch with some bifurcations: corners, and whether they are joined by dashes."""
     one = diagram()
     one.branches[0]["bifurcations"] = list(found)
     for point, holds in zip(one.branches[0]["points"], stable, strict=True):
         point["multiplier_real"] = 0.5 if holds else 1.5
-    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0)
-    axes = plot_branches(branch_dataset(plan, [one]), ordinate=ordinate)
+    axes = plot_branches(dataset_of(one))
     lines = [line for line in axes.lines if line.get_marker() == "None" and len(line.get_xdata()) > 1]
     return [
         ([*zip(line.get_xdata(), np.round(line.get_ydata(), 12), strict=True)], line.is_dashed()) for line in lines[:-1]
@@ -123,12 +130,10 @@ def test_bifurcations_are_marked_with_their_names(dataset: xr.Dataset) -> None:
 
 
 def test_the_legend_tells_stops_by_colour_and_unstable_motions_by_dashes() -> None:
-    joint, one = cantilever(), diagram()
-    other = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
+    one = diagram()
     for point in one.branches[0]["points"]:
         point["impulses"] = (*point["impulses"], -1.0)
-    plan = BranchSpec(joint.replace(stops=(*joint.stops, other)), "base_motion.angular_frequency", 1.0, 4.0)
-    legend = plot_branches(branch_dataset(plan, [one])).get_legend()
+    legend = plot_branches(dataset_of(one, other=BELOW)).get_legend()
     names = [text.get_text() for text in legend.get_texts()]
     dashed = dict(zip(names, [line.is_dashed() for line in legend.get_lines()], strict=True))
     assert dashed == {"tip": False, "below": False, "unstable": True}
@@ -137,12 +142,11 @@ def test_the_legend_tells_stops_by_colour_and_unstable_motions_by_dashes() -> No
 
 
 def test_of_twins_that_rounding_tells_apart_the_first_is_marked() -> None:
-    joint, one = cantilever(), diagram((3.1, 3))
-    twin = joint.stops[0].model_copy(update={"side": "bottom", "name": "below"})
+    one = diagram((3.1, 3))
     for some in (*one.branches[0]["points"], *one.branches[0]["bifurcations"]):
         some["impulses"] = (*some["impulses"], -some["impulses"][0] * (1 + 1e-12))
-    plan = BranchSpec(joint.replace(stops=(*joint.stops, twin)), "base_motion.angular_frequency", 1.0, 4.0)
-    (marked,) = [line for line in plot_branches(branch_dataset(plan, [one])).lines if line.get_label() == "fold"]
+    axes = plot_branches(dataset_of(one, other=BELOW))
+    (marked,) = [line for line in axes.lines if line.get_label() == "fold"]
     assert marked.get_ydata().tolist() == [0.2]
 
 
@@ -151,8 +155,8 @@ def test_an_unknown_ordinate_is_refused(dataset: xr.Dataset) -> None:
         plot_branches(dataset, ordinate="speed")
 
 
-def test_lines_join_bifurcations_where_one_goes_on(in_two_numbers: xr.Dataset) -> None:
-    axes = plot_loci(in_two_numbers)
+def test_lines_join_bifurcations_where_one_goes_on(in_two_parameters: xr.Dataset) -> None:
+    axes = plot_loci(in_two_parameters)
     drawn = [list(zip(line.get_xdata(), line.get_ydata(), strict=True)) for line in axes.lines]
     assert sorted(line for line in drawn if line) == [
         [(1e-3, 1.8), (2e-3, 1.9), (3e-3, 1.95)],
@@ -169,12 +173,7 @@ def test_branches_of_one_problem_have_no_loci(dataset: xr.Dataset) -> None:
         plot_loci(dataset)
 
 
-def test_a_figure_without_loci_says_so() -> None:
-    also = Axis("stops.*.gap", (2e-3, 1e-3))
-    plan = BranchSpec(cantilever(), "base_motion.angular_frequency", 1.0, 4.0, also_over=also)
-    axes = plot_loci(branch_dataset(plan, [diagram(), diagram()]))
-    assert [text.get_text() for text in axes.texts] == ["no bifurcation in this range"]
-
-
-def test_a_figure_with_loci_says_nothing_else(in_two_numbers: xr.Dataset) -> None:
-    assert not [text for text in plot_loci(in_two_numbers).texts if "no bifurcation" in text.get_text()]
+def test_a_figure_without_loci_says_so_and_no_other(in_two_parameters: xr.Dataset) -> None:
+    empty = dataset_of(diagram(), diagram(), also=Axis("stops.*.gap", (2e-3, 1e-3)))
+    said = [[text.get_text() for text in plot_loci(one).texts] for one in (empty, in_two_parameters)]
+    assert said == [["no bifurcation in this range"], []]

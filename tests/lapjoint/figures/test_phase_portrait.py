@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from written_history import OMEGA
+from written_history import OMEGA, at_rest
 
 from lapjoint import FREE, BaseMotion, History, InputError
 from lapjoint.figures import new_axes, plot_phase_portrait, plot_poincare_section
@@ -92,12 +92,11 @@ def test_an_orbit_without_excitation_has_no_corners(history: History) -> None:
 
 
 def test_a_beam_at_rest_is_a_dot(history: History) -> None:
-    problem = history.problem.replace(stops=())
-    rest = History(problem, "", 0.0, 1.0, np.zeros(0), (FREE,), (), lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)))
-    orbit = plot_phase_portrait(rest).lines[0]
+    axes = plot_phase_portrait(at_rest(history))
+    orbit = axes.lines[0]
     assert orbit.get_marker() == "o"
     assert set(np.asarray(orbit.get_xdata())) == set(np.asarray(orbit.get_ydata())) == {0.0}
-    figure_of(plot_phase_portrait(rest)).draw_without_rendering()
+    figure_of(axes).draw_without_rendering()
 
 
 def test_sections_lie_at_the_multiples_of_the_period(driven: History) -> None:
@@ -107,10 +106,9 @@ def test_sections_lie_at_the_multiples_of_the_period(driven: History) -> None:
 
 
 def test_a_section_is_taken_at_the_phase_asked_for(driven: History) -> None:
-    z, _ = plot_poincare_section(driven, phase=math.pi / 2).lines[0].get_data()
-    np.testing.assert_allclose(z, [3.0] * 4, rtol=1e-12)  # the largest deflection, mm
-    z, _ = plot_poincare_section(driven, phase=-3 * math.pi / 2).lines[0].get_data()
-    np.testing.assert_allclose(z, [3.0] * 4, rtol=1e-12)
+    for phase in (math.pi / 2, -3 * math.pi / 2):
+        z, _ = plot_poincare_section(driven, phase=phase).lines[0].get_data()
+        np.testing.assert_allclose(z, [3.0] * 4, rtol=1e-12)  # the largest deflection, mm
 
 
 def test_the_rounding_of_an_end_loses_no_section(driven: History) -> None:

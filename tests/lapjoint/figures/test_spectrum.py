@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from written_history import OMEGA
+from written_history import OMEGA, at_rest
 
-from lapjoint import FREE, BaseMotion, HarmonicsBaseMotion, History, InputError
+from lapjoint import BaseMotion, HarmonicsBaseMotion, History, InputError
 from lapjoint.figures import plot_spectrum
 from lapjoint.figures.spectrum import TOLERANCE, repeating_periods, spectrum
 from lapjoint.figures.style import figure_of
@@ -136,11 +136,6 @@ def test_the_excitation_is_marked_once(history: History) -> None:
     assert len(colours) == 2
 
 
-def test_a_beam_at_rest_is_drawn(history: History) -> None:
-    still = signalling(history, 1.0, np.zeros_like, np.zeros_like)
-    assert np.all(np.asarray(plot_spectrum(still).lines[0].get_ydata()) == 0.0)
-
-
 @pytest.mark.parametrize(
     ("changes", "wish", "message"),
     [
@@ -159,9 +154,8 @@ def test_what_has_no_spectrum_is_named(
 @pytest.mark.parametrize("omega", [None, OMEGA])
 def test_a_beam_at_rest_has_a_line_at_zero_and_says_so(history: History, omega: float | None) -> None:
     base = BaseMotion(amplitude=0.0, angular_frequency=omega) if omega else None
-    problem = history.problem.replace(stops=(), base_motion=base)
-    rest = History(problem, "", 0.0, 2.0, np.zeros(0), (FREE,), (), lambda x, t, dx=0, dt=0: np.zeros((x.size, t.size)))
-    axes = plot_spectrum(rest)
+    rest = at_rest(history)
+    axes = plot_spectrum(replace(rest, problem=rest.problem.replace(base_motion=base)))
     figure_of(axes).draw_without_rendering()
     assert [text.get_text() for text in axes.texts] == ["at rest"]
     assert axes.get_yscale() == "linear"

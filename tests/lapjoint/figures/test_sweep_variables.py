@@ -12,7 +12,7 @@ from command_line import PAPER, assert_refused, run, run_well
 
 from lapjoint import InputError
 from lapjoint.answers.quantities import QUANTITIES
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.figures import in_hertz, plot_curve, plot_curve_wide
 from lapjoint.figures.sweep_variables import curves, drawable, ordinate
 from lapjoint.summaries.of_orbit import SUMMARIES

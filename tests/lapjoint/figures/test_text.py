@@ -19,10 +19,10 @@ from written_history import OMEGA
 import analytic
 from lapjoint import FREE, BaseMotion, ContactState, History, Problem, Stop, paper_joint
 from lapjoint.answers import Contact
-from lapjoint.campaigns.dataset import dataset_of
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
-from lapjoint.campaigns.plan import Plan
 from lapjoint.campaigns.point import Point
+from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.campaigns.sweep.table import sweep_dataset
 from lapjoint.figures import (
     new_axes,
     plot_contact_impulses,
@@ -73,7 +73,7 @@ def swept(*names: str, path: str = FREQUENCY) -> xr.Dataset:
     axes = (Axis(FREQUENCY, [100.0, 200.0, 300.0]), *([] if path == FREQUENCY else [Axis(path, [1e-3, 2e-3])]))
     plan = Plan(Grid(joint.replace(stops=stops), axes))
     impulses = tuple(float(i) for i in range(len(names)))
-    return dataset_of(plan, {cell: Point("PERIODIC", 1, impulses=impulses) for cell in range(plan.size)})
+    return sweep_dataset(plan, {cell: Point("PERIODIC", 1, impulses=impulses) for cell in range(plan.size)})
 
 
 def drawn(axes: Any) -> list[str]:

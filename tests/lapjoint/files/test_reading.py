@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from lapjoint import paper_joint
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.errors import InputError
 from lapjoint.files import reading
 from lapjoint.files.reading import read_file

@@ -12,13 +12,11 @@ import threading
 import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from functools import partial
 from pathlib import Path
 
 import pytest
 from counting_solver import tear
 
-from lapjoint.errors import SolverError
 from lapjoint.machine.processes import first_finished, process_pool, standing_pool
 
 LONG = 600.0  # s: longer than any of these tests may take
@@ -111,10 +109,11 @@ def test_tasks_that_are_cancelled_as_the_pool_ends_raise_nothing_in_its_thread(m
         work()  # pytest fails a test in one of whose threads an exception is raised
 
 
-def test_processes_that_cannot_start_are_said_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lapjoint.machine.processes._ready", partial(os._exit, 1))
-    with pytest.raises(SolverError, match="end as soon as they start"), process_pool(1):
-        pass
+def test_a_script_whose_workers_end_as_they_start_is_told_why(tmp_path: Path) -> None:
+    script = tmp_path / "no_main.py"
+    script.write_text("from lapjoint.machine.processes import process_pool\nwith process_pool(1):\n    pass\n")
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=100)
+    assert "SolverError: the worker processes end as soon as they start; a script that asks for workers" in done.stderr
 
 
 def test_a_standing_pool_keeps_its_processes_and_starts_others_after_one_dies() -> None:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from lapjoint.orbits.exponent import exponent_of, largest_growth, standard_error, weighted_mean
+from lapjoint.orbits.exponent import exponent_of, largest_growth
 from lapjoint.problem import FloatArray
+from lapjoint.summaries.correlated_series import standard_error, weighted_mean
 
 
 def autoregressive(time: float, size: int, rng: np.random.Generator) -> tuple[FloatArray, float]:

@@ -7,25 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 from loose_pins import bar as loose_bar
+from settled import orbit_of
 from toy import Bar, bar
 from witness import testify
 
 import analytic
 import fe_lapjoint
 from lapjoint import Outcome, paper_joint
-from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
-from lapjoint.orbits.newton import FAR, Orbit, find_orbit
+from lapjoint.orbits.newton import find_orbit
 
 pytestmark = pytest.mark.long_march
-
-
-def orbit_of(map_: PeriodMap, half_periods: int, settle: int) -> Orbit:
-    point = map_.march(map_.initial(), 2 * settle).end
-    found = find_orbit(HalfPeriods(map_), point, half_periods, FAR)
-    assert found is not None
-    return found
 
 
 MAPS: dict[str, Any] = {

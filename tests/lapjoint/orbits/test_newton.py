@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from settled import orbit_of
 from toy import Bar, bar
 
 import analytic
@@ -17,18 +18,10 @@ from lapjoint import FREE, ModalDamping, Problem, ViscousDamping, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.errors import SolverError
 from lapjoint.orbits import Linearised, PeriodMap
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative
 from lapjoint.problem import FloatArray
-
-
-def orbit_of(map_: PeriodMap, half_periods: int, settle: int = 30) -> Orbit:
-    """The orbit near which a march from the initial state ends."""
-    point = map_.march(map_.initial(), 2 * settle).end
-    found = find_orbit(HalfPeriods(map_), point, half_periods, FAR)
-    assert found is not None
-    return found
 
 
 def uneven(problem: Problem) -> Problem:
@@ -250,7 +243,7 @@ def test_two_half_periods_are_a_whole_one(map_: Any) -> None:
     first = halves.linearised(point, 1)
     assert halves.apart(first.end, halves.marched(point, 1)) < 1e-12
     second = halves.linearised(first.end, 1)
-    both: Return = halves.linearised(point, 2)
+    both: HalfPeriodMarch = halves.linearised(point, 2)
     if point.state == first.end.state:  # else they are in other coordinates
         scale = np.abs(both.matrix).max()
         assert second.matrix @ first.matrix == pytest.approx(both.matrix, abs=1e-6 * scale)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import fsolve
+from settled import amplification
 from toy import Bar, bar
 
 from lapjoint import Outcome, Problem, SteadyState
@@ -25,11 +26,6 @@ def marched(problem: Problem, periods: int, multiple: int) -> FloatArray:
     map_ = Bar().period_map(problem)
     settled = map_.march(map_.initial(), 2 * periods).end
     return map_.march(settled, 2 * multiple).impulses / multiple
-
-
-def amplification(omega: float, ratio: float) -> complex:
-    """Steady z = Im(A exp(i omega t)) of the bar without contact, for a base amplitude of 1."""
-    return omega**2 / (1 - omega**2 + 2j * ratio * omega)
 
 
 def test_it_is_a_solver_and_gives_nothing_beyond_the_required_part() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from loose_pins import bar as loose_bar
+from settled import amplification
 from toy import Bar, bar
 
 import analytic
@@ -20,9 +21,9 @@ from lapjoint.orbits import Effort, Passage, PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, period_pieces
-from lapjoint.orbits.search import STRETCH, TRANSIENT, Found, Search
+from lapjoint.orbits.search import FIRST_LOOK, STRETCH, TRANSIENT, SearchResult, SteadyStateSearch
 from lapjoint.orbits.segments import Segment
-from lapjoint.orbits.wandering import Wandering, breadth_and_residual, shown
+from lapjoint.orbits.wandering import Wandering, breadth_and_residual, outcome_of
 from lapjoint.problem import FloatArray
 
 pytestmark = pytest.mark.long_march
@@ -30,6 +31,11 @@ pytestmark = pytest.mark.long_march
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=3), "bar": Bar()}
 SPRUNG = bar(0.8)
 JOINTS: dict[str, Problem] = {"analytic": paper_joint(), "FE": paper_joint(), "bar": bar(0.8, (0.5, 5.0))}
+
+
+def searched(map_: Any, first_look: int = FIRST_LOOK, **effort: Any) -> SearchResult:
+    """The end of a search from the initial state."""
+    return SteadyStateSearch(map_, Effort(**effort)).run(map_.initial(), first_look)
 
 
 def same(one: SectionPoint, other: SectionPoint) -> bool:
@@ -124,9 +130,9 @@ def test_a_switch_at_the_end_of_a_period_is_neither_lost_nor_made_twice(solver: 
 )
 def test_outcomes_do_not_depend_on_who_looks_on_or_on_what_is_measured(problem: Problem) -> None:
     map_, calls = Bar().period_map(problem), []
-    alone = Search(map_, Effort()).run(map_.initial())
-    watched = Search(map_, Effort(), lambda done, most: calls.append((done, most))).run(map_.initial())
-    unmeasured = Search(map_, Effort(growth=False)).run(map_.initial())
+    alone = searched(map_)
+    watched = SteadyStateSearch(map_, Effort(), lambda done, most: calls.append((done, most))).run(map_.initial())
+    unmeasured = searched(map_, growth=False)
     for found in (watched, unmeasured):
         assert isinstance(found.motion, Orbit)
         assert isinstance(alone.motion, Orbit)
@@ -144,7 +150,7 @@ def test_outcomes_do_not_depend_on_who_looks_on_or_on_what_is_measured(problem: 
 def test_where_a_motion_was_accepted_is_where_the_march_was() -> None:
     for problem in (bar(0.8, (0.5, 5.0)), bar(3.0, (0.0, 20.0), ratio=0.03)):
         map_ = Bar().period_map(problem)
-        found = Search(map_, Effort()).run(map_.initial())
+        found = searched(map_)
         assert found.acceptance.pushes == 0
         assert same(found.acceptance.point, map_.march(map_.initial(), 2 * found.acceptance.periods).end)
 
@@ -168,7 +174,7 @@ class Noted:
 def test_effort_in_periods_ends_in_undecided(periods: int) -> None:
     """Undamped motion never settles; one stretch is measured beyond the periods allowed."""
     map_ = Bar().period_map(bar(0.8, (10.0, 5.0), ratio=0.0))
-    found = Search(map_, Effort(max_periods=periods, max_period_multiple=2, growth=False)).run(map_.initial(), 1)
+    found = searched(map_, 1, max_periods=periods, max_period_multiple=2, growth=False)
     assert isinstance(found.motion, Wandering)
     assert found.motion.outcome is Outcome.UNDECIDED
     assert found.acceptance.periods <= max(periods, TRANSIENT) + 2 * STRETCH + 40
@@ -177,7 +183,7 @@ def test_effort_in_periods_ends_in_undecided(periods: int) -> None:
 
 def test_effort_in_switches_ends_in_undecided() -> None:
     map_ = Bar().period_map(bar(2.6, (0.3, 30.0), ratio=0.02))
-    found = Search(map_, Effort(max_switches=50, growth=False)).run(map_.initial())
+    found = searched(map_, max_switches=50, growth=False)
     assert isinstance(found.motion, Wandering)
     assert found.motion.outcome is Outcome.UNDECIDED
     assert found.acceptance.periods < TRANSIENT + STRETCH
@@ -187,7 +193,7 @@ def test_effort_in_switches_ends_in_undecided() -> None:
 def too_long() -> Wandering:
     """A bar that repeats after two periods, to a search that looks for one."""
     map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    found = Search(map_, Effort(max_period_multiple=1, max_periods=600, growth=False)).run(map_.initial()).motion
+    found = searched(map_, max_period_multiple=1, max_periods=600, growth=False).motion
     assert isinstance(found, Wandering)
     return found
 
@@ -200,7 +206,7 @@ def test_longer_motions_than_allowed_are_not_certified(too_long: Wandering) -> N
 
 def test_the_exponent_of_a_motion_too_long_to_be_looked_for_is_its_multipliers(too_long: Wandering) -> None:
     map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    long = Search(map_, Effort(growth=False)).run(map_.initial()).motion
+    long = searched(map_, growth=False).motion
     assert isinstance(long, Orbit)
     decay = math.log(abs(long.multipliers[0])) / (2 * map_.period)
     assert too_long.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
@@ -216,7 +222,7 @@ def test_a_stable_orbit_that_the_march_passes_by_is_dropped() -> None:
     """
     problem = bar(2.3, (0.0, 20.0), ratio=0.03)
     map_ = Bar().period_map(problem)
-    found = Search(map_, Effort(growth=False)).run(map_.initial())
+    found = searched(map_, growth=False)
     assert isinstance(found.motion, Orbit)
     on = map_.march(found.acceptance.point, 2 * 600).end
     halves = HalfPeriods(map_)
@@ -240,17 +246,17 @@ def test_a_march_that_leaves_its_course_takes_the_orbit_with_it() -> None:
             return Passage(self.inner.moved(passage.end, np.array([1.0, 0.0])), passage.impulses, passage.switches)
 
     for map_, kept in ((Noted(inner), True), (Astray(inner), False)):
-        search = Search(map_, Effort(growth=False))  # type: ignore[arg-type]
-        search._point = inner.moved(orbit.point, np.array([3.0, 0.0]))
-        deviation = inner.difference(search._point, orbit.point)
-        assert search._on_course(orbit, deviation, 4) is kept
-        assert search._marched <= 4
+        search = SteadyStateSearch(map_, Effort(growth=False))  # type: ignore[arg-type]
+        search.point = inner.moved(orbit.point, np.array([3.0, 0.0]))
+        deviation = inner.difference(search.point, orbit.point)
+        assert search.on_course(orbit, deviation, 4) is kept
+        assert search.marched <= 4
 
 
 def test_a_march_still_far_from_a_clearance_goes_on_until_it_is_bound() -> None:
     """The farther it starts, the longer it waits, and never less than until the deviation clears the stop."""
     omega, ratio = 0.8, 0.02
-    amplitude = omega**2 / abs(1 - omega**2 + 2j * ratio * omega)
+    amplitude = abs(amplification(omega, ratio))
     problem = bar(omega, (1.3 * amplitude, 5.0), ratio=ratio)
     map_ = Bar().period_map(problem)
     orbit = find_orbit(HalfPeriods(map_), map_.march(map_.initial(), 400).end, 2, 1.0)
@@ -258,7 +264,7 @@ def test_a_march_still_far_from_a_clearance_goes_on_until_it_is_bound() -> None:
     waited = []
     for size in (0.1, 1.0, 5.0):
         start = map_.moved(orbit.point, np.array([size * amplitude, 0.0]))
-        found = Search(map_, Effort(growth=False)).run(start, 1)
+        found = SteadyStateSearch(map_, Effort(growth=False)).run(start, 1)
         assert isinstance(found.motion, Orbit)
         assert not map_.history(found.acceptance.point, 200).contacts
         waited.append(found.acceptance.periods)
@@ -343,7 +349,7 @@ class Violent:
 @pytest.mark.parametrize("growth", [True, False])
 def test_where_rounding_decides_every_period_newtons_method_is_not_tried_again(growth: bool) -> None:
     map_ = Violent(math.inf, 0.1)  # twenty decay times are 200 periods
-    found = Search(map_, Effort(growth=growth)).run(map_.initial())  # type: ignore[arg-type]
+    found = searched(map_, growth=growth)
     assert isinstance(found.motion, Wandering)
     assert found.motion.outcome is Outcome.APERIODIC
     assert found.motion.exponent.value == pytest.approx(math.log(1e20))
@@ -355,7 +361,7 @@ def test_where_rounding_decides_every_period_newtons_method_is_not_tried_again(g
 @pytest.mark.parametrize(("violent", "rate"), [(10, 1.0), (30, 1.0), (90, 1.0), (200, 1.0), (900, 0.02)])
 def test_a_march_that_calms_down_within_twenty_decay_times_is_followed_to_its_orbit(violent: int, rate: float) -> None:
     map_ = Violent(violent, rate)
-    found = Search(map_, Effort()).run(map_.initial())  # type: ignore[arg-type]
+    found = searched(map_)
     assert isinstance(found.motion, Orbit)
     assert found.motion.leading == pytest.approx(1 / 3)
     assert found.acceptance.periods >= violent
@@ -373,7 +379,7 @@ def test_no_fixed_point_is_looked_for_of_a_map_that_makes_deviations_grow_beyond
 
 def test_a_march_that_is_held_is_pushed_and_says_so() -> None:
     map_ = analytic.Solver(n_modes=11).period_map(loose_bar(300.0))
-    found = Search(map_, Effort()).run(map_.initial())
+    found = searched(map_)
     assert isinstance(found.motion, Orbit)
     assert found.motion.stable
     assert found.acceptance.pushes >= 1
@@ -386,7 +392,7 @@ def exponent(value: float, error: float = 0.1) -> Exponent:
 
 def test_what_a_measurement_shows() -> None:
     def outcome(value: float, breadth: float, spirals: bool = False, pushes: int = 0) -> Outcome:
-        return shown(exponent(value), 1.0, breadth, spirals=spirals, pushes=pushes)
+        return outcome_of(exponent(value), 1.0, breadth, spirals=spirals, pushes=pushes)
 
     assert outcome(1.0, 0.5) is Outcome.APERIODIC
     assert outcome(1.0, 1e-5) is Outcome.UNDECIDED  # it repeats
@@ -423,13 +429,6 @@ def test_breadth_and_residual_are_those_of_the_best_multiple() -> None:
     assert breadth_and_residual(halves, points(three), 2)[0] == pytest.approx(3 / 4)
     drifting = three + np.arange(120) * 1e-3
     assert breadth_and_residual(halves, points(drifting), 8)[0] == pytest.approx(3e-3 / drifting.max())
-
-
-def test_what_was_found_is_an_orbit_or_a_wandering() -> None:
-    map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
-    found = Search(map_, Effort()).run(map_.initial())
-    assert isinstance(found, Found)
-    assert isinstance(found.motion, Orbit)
 
 
 def test_a_march_of_more_periods_than_can_be_kept_is_refused_by_name() -> None:

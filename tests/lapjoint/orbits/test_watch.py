@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from settled import amplification
 from toy import Bar, bar
 
 import analytic
@@ -15,7 +16,7 @@ import fe_lapjoint
 from lapjoint import FREE, Outcome, Problem, SineLoad, StepLoad, ViscousDamping, paper_joint
 from lapjoint.orbits import PeriodMap, Segment
 from lapjoint.orbits.compiled_intervals import spacings, unrolled
-from lapjoint.orbits.half_periods import HalfPeriods, Return
+from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.watch import SegmentWatch
 from lapjoint.problem import FloatArray
 
@@ -118,7 +119,7 @@ def interval_ends(watch: SegmentWatch, segments: tuple[Segment, ...]) -> list[tu
     """Segment, start and end of each interval, s: the watch's own cuts, which must cover the orbit without gaps."""
     found = []
     for i, segment in enumerate(segments):
-        tau = watch._tau[watch._segment == i]
+        tau = watch.tau[watch.segment == i]
         assert tau[0] == 0.0
         assert tau[-1] == pytest.approx(segment.end - segment.start, rel=1e-14)
         assert np.all(np.diff(tau) > 0)
@@ -129,7 +130,7 @@ def interval_ends(watch: SegmentWatch, segments: tuple[Segment, ...]) -> list[tu
 def test_distances_are_known_well_where_the_orbit_comes_near() -> None:
     """A bound that holds could be of no use; this one is within a factor of two but where it all but touches."""
     omega, ratio = 0.8, 0.05
-    amplitude = omega**2 / abs(1 - omega**2 + 2j * ratio * omega)
+    amplitude = abs(amplification(omega, ratio))
     for gap in (1.5, 1.05, 1.001):
         problem = bar(omega, (gap * amplitude, 5.0), ratio=ratio)
         segment = Segment(
@@ -152,7 +153,7 @@ def test_distances_are_known_well_where_the_orbit_comes_near() -> None:
 
 
 @pytest.fixture(scope="module")
-def marches() -> dict[tuple[str, str], tuple[PeriodMap, Any, Return]]:
+def marches() -> dict[tuple[str, str], tuple[PeriodMap, Any, HalfPeriodMarch]]:
     found = {}
     for name, solver in SOLVERS.items():
         for kind, problem in PROBLEMS.items():

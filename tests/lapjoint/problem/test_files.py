@@ -48,9 +48,7 @@ sections = st.one_of(
     st.builds(Rectangle, breadth=positive, height=st.floats(1e-3, 1e3)),
     st.builds(Circle, diameter=st.floats(1e-3, 1e3)),
     st.builds(
-        lambda d, ratio: Tube(outer_diameter=d, inner_diameter=d * ratio),
-        st.floats(1e-3, 1e3),
-        st.floats(0.1, 0.9),
+        lambda d, ratio: Tube(outer_diameter=d, inner_diameter=d * ratio), st.floats(1e-3, 1e3), st.floats(0.1, 0.9)
     ),
 )
 
@@ -174,48 +172,47 @@ STOP = '[[stops]]\nx = 1.0\nside = "top"\ngap = 1e-3\nstiffness = 1e5\n'
 CLAMP = "[[supports]]\nx = 0.0\ntranslational = inf\ntorsional = inf\n"
 
 
+ONE = "{multiple = 1, amplitude = 1.0}"
+
+
+def length(value: str) -> str:
+    return GOOD.replace("length = 1.0", f"length = {value}", 1)
+
+
+def stop(old: str, new: str) -> str:
+    return GOOD + STOP.replace(old, new)
+
+
+def damping(keys: str) -> str:
+    return f"{GOOD}[damping]\n{keys}"
+
+
 def harmonics(*tables: str) -> str:
     """A base that moves by harmonics."""
-    return f'[base_motion]\nkind = "harmonics"\nangular_frequency = 2.0\nharmonics = [{", ".join(tables)}]\n'
+    return f'{GOOD}[base_motion]\nkind = "harmonics"\nangular_frequency = 2.0\nharmonics = [{", ".join(tables)}]\n'
 
 
 FAULTS: list[tuple[str, str, str]] = [
-    (
-        "negative length",
-        GOOD.replace("length = 1.0", "length = -1.0", 1),
-        "beam.length = -1.0: must be greater than 0",
-    ),
-    ("NaN", GOOD.replace("length = 1.0", "length = nan", 1), "beam.length = nan: must be greater than 0"),
-    ("infinite", GOOD.replace("length = 1.0", "length = inf", 1), "beam.length = inf: must be a finite number"),
-    ("boolean", GOOD.replace("length = 1.0", "length = true", 1), "beam.length = true: must be a number"),
-    ("date", GOOD.replace("length = 1.0", "length = 2020-01-01", 1), "beam.length = "),
+    ("negative length", length("-1.0"), "beam.length = -1.0: must be greater than 0"),
+    ("NaN", length("nan"), "beam.length = nan: must be greater than 0"),
+    ("infinite", length("inf"), "beam.length = inf: must be a finite number"),
+    ("boolean", length("true"), "beam.length = true: must be a number"),
+    ("date", length("2020-01-01"), "beam.length = "),
     ("missing", "title = 'x'", "beam: is missing"),
     ("missing key", STOP.replace("gap = 1e-3\n", "") + GOOD, "stops[0].gap: is missing (Gap when"),
-    ("text for gap", GOOD + STOP.replace("1e-3", '"wide"'), 'stops[0].gap = "wide": must be a number'),
-    ("negative gap", GOOD + STOP.replace("1e-3", "-1e-3"), "stops[0].gap = -0.001: must be at least 0"),
-    ("NaN gap", GOOD + STOP.replace("1e-3", "nan"), "stops[0].gap = nan: must be at least 0"),
-    (
-        "stop outside",
-        GOOD + STOP.replace("x = 1.0", "x = 1.1"),
-        "stops[0].x = 1.1: lies outside the beam; allowed are 0 to 1 m",
-    ),
-    ("side", GOOD + STOP.replace('"top"', '"left"'), 'stops[0].side = "left": must be "top" or "bottom"'),
-    (
-        "unknown key",
-        GOOD + STOP.replace("gap", "gaap"),
-        "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, gap",
-    ),
+    ("text for gap", stop("1e-3", '"wide"'), 'stops[0].gap = "wide": must be a number'),
+    ("negative gap", stop("1e-3", "-1e-3"), "stops[0].gap = -0.001: must be at least 0"),
+    ("NaN gap", stop("1e-3", "nan"), "stops[0].gap = nan: must be at least 0"),
+    ("stop outside", stop("x = 1.0", "x = 1.1"), "stops[0].x = 1.1: lies outside the beam; allowed are 0 to 1 m"),
+    ("side", stop('"top"', '"left"'), 'stops[0].side = "left": must be "top" or "bottom"'),
+    ("unknown key", stop("gap", "gaap"), "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, gap"),
     ("unknown table", GOOD + "[suports]\nx = 1", "suports: unknown key; did you mean supports?"),
     ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list"),
     ("not a table", "beam = 3", "beam = 3: must be a table"),
-    ("kind", GOOD + '[damping]\nkind = "rayleigh"', 'damping.kind = "rayleigh": allowed: modal, none, viscous'),
-    ("no kind", GOOD + "[damping]\nratio = 0.1", "damping.kind: is missing; allowed: modal, none, viscous"),
-    ("ratio", GOOD + '[damping]\nkind = "modal"\nratio = [0.1, "x"]', 'damping.ratio[1] = "x": must be a number'),
-    (
-        "no ratios",
-        GOOD + '[damping]\nkind = "modal"\nratio = []',
-        "damping.ratio = []: must have at least 1 value",
-    ),
+    ("kind", damping('kind = "rayleigh"'), 'damping.kind = "rayleigh": allowed: modal, none, viscous'),
+    ("no kind", damping("ratio = 0.1"), "damping.kind: is missing; allowed: modal, none, viscous"),
+    ("ratio", damping('kind = "modal"\nratio = [0.1, "x"]'), 'damping.ratio[1] = "x": must be a number'),
+    ("no ratios", damping('kind = "modal"\nratio = []'), "damping.ratio = []: must have at least 1 value"),
     (
         "two descriptions",
         GOOD + "[beam.material]\nyoungs_modulus = 1.0\ndensity = 1.0",
@@ -239,32 +236,32 @@ FAULTS: list[tuple[str, str, str]] = [
     ),
     (
         "no frequency of harmonics",
-        GOOD + harmonics("{multiple = 1, amplitude = 1.0}").replace("angular_frequency = 2.0\n", ""),
+        harmonics(ONE).replace("angular_frequency = 2.0\n", ""),
         "base_motion.angular_frequency: is missing (omega of the fundamental",
     ),
-    ("a half", GOOD + harmonics("{multiple = 1.5, amplitude = 1.0}"), "[0].multiple = 1.5: must be a whole number"),
-    ("none", GOOD + harmonics("{multiple = 0, amplitude = 1.0}"), "harmonics[0].multiple = 0: must be at least 1"),
-    ("text for one", GOOD + harmonics('{multiple = "1", amplitude = 1.0}'), 'multiple = "1": must be a number'),
-    ("too many", GOOD + harmonics("{multiple = 10001, amplitude = 1.0}"), "= 10001: must be at most 10000"),
-    ("no harmonics", GOOD + harmonics(), "base_motion.harmonics: must have at least one harmonic"),
+    ("a half", harmonics("{multiple = 1.5, amplitude = 1.0}"), "[0].multiple = 1.5: must be a whole number"),
+    ("none", harmonics("{multiple = 0, amplitude = 1.0}"), "harmonics[0].multiple = 0: must be at least 1"),
+    ("text for one", harmonics('{multiple = "1", amplitude = 1.0}'), 'multiple = "1": must be a number'),
+    ("too many", harmonics("{multiple = 10001, amplitude = 1.0}"), "= 10001: must be at most 10000"),
+    ("no harmonics", harmonics(), "base_motion.harmonics: must have at least one harmonic"),
     (
         "repeated",
-        GOOD + harmonics(*["{multiple = 3, amplitude = 1.0}"] * 2),
+        harmonics(*["{multiple = 3, amplitude = 1.0}"] * 2),
         "base_motion.harmonics: multiple 3 is given 2 times; each must be there once",
     ),
     (
         "force of the base",
-        GOOD + harmonics("{multiple = 3, force = 1.0}"),
+        harmonics("{multiple = 3, force = 1.0}"),
         "base_motion.harmonics[0].force: unknown key; allowed: multiple, amplitude, phase",
     ),
     (
         "fast harmonic",
-        GOOD + harmonics("{multiple = 1, amplitude = 1.0}", "{multiple = 100, amplitude = 1e304}"),
+        harmonics(ONE, "{multiple = 100, amplitude = 1e304}"),
         "base_motion.harmonics[1].amplitude = 1e+304: must be at most 1e+100 m",
     ),
     (
         "hard harmonic",
-        GOOD + harmonics("{multiple = 1, amplitude = 1.0}", "{multiple = 100, amplitude = 1e97}"),
+        harmonics(ONE, "{multiple = 100, amplitude = 1e97}"),
         "base_motion.harmonics[1]: the acceleration comes to 4e+101, and must be at most 1e+100 in SI units",
     ),
     (

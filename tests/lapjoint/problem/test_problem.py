@@ -20,6 +20,7 @@ from lapjoint import (
     ModalDamping,
     PolynomialShape,
     Problem,
+    RecordBaseMotion,
     Rectangle,
     SampledShape,
     SineLoad,
@@ -27,6 +28,7 @@ from lapjoint import (
     Stop,
     Support,
     Tube,
+    ViscousDamping,
     initial_from_functions,
     paper_joint,
     sdnl104,
@@ -57,9 +59,7 @@ def test_a_thin_tube_tends_to_its_thin_wall_formula() -> None:
 def test_a_beam_takes_numbers_or_material_and_section() -> None:
     assert (BEAM.EI, BEAM.m) == (3.0, 5.0)
     made = Beam(
-        length=1.0,
-        material=Material(youngs_modulus=2.0, density=3.0),
-        section=Rectangle(breadth=1.0, height=2.0),
+        length=1.0, material=Material(youngs_modulus=2.0, density=3.0), section=Rectangle(breadth=1.0, height=2.0)
     )
     assert made.EI == pytest.approx(4.0 / 3.0, rel=1e-15)
     assert made.m == 6.0
@@ -167,18 +167,21 @@ def test_a_function_that_does_not_give_a_shape_is_refused(function: Any) -> None
         initial_from_functions(1.0, velocity=function)
 
 
+WAVE = [math.sin(0.3 * i) for i in range(60)]
+
+
+def record(**changes: Any) -> RecordBaseMotion:
+    return RecordBaseMotion(**{"quantity": "acceleration", "values": WAVE, "rate": 500.0} | changes)
+
+
+def pins(*places: float) -> tuple[Support, ...]:
+    return tuple(Support(x=x, translational=math.inf) for x in places)
+
+
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
-    (
-        "stop outside",
-        {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)},
-        r"stops\[0\]\.x = 2\.1.*0 to 2 m",
-    ),
+    ("stop outside", {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)}, r"stops\[0\]\.x = 2\.1.*0 to 2 m"),
     ("support outside", {"supports": (Support(x=3.0),)}, r"supports\[0\]\.x = 3.*0 to 2 m"),
-    (
-        "load outside",
-        {"point_loads": (SineLoad(x=3.0, force=1.0, angular_frequency=1.0),)},
-        r"point_loads\[0\]\.x = 3",
-    ),
+    ("load outside", {"point_loads": (SineLoad(x=3.0, force=1.0, angular_frequency=1.0),)}, r"point_loads\[0\]\.x = 3"),
     (
         "same name",
         {"stops": (Stop(name="a", x=1.0, side="top", gap=0.0, stiffness=1.0),) * 2},
@@ -214,13 +217,51 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         {"initial": SampledShape(x=(0.0, 0.5, 1.0, 1.5), displacement=(0.0, 0.0, 0.0, 0.0))},
         r"initial\.x: runs from 0 to 1\.5, and must run from 0 to 2 m",
     ),
+    ("ratio", {"damping": ModalDamping(ratio=1e150)}, r"damping.ratio = 1e\+150: must be at most 1e\+07"),
+    ("ratios", {"damping": ModalDamping(ratio=(0.1, 1e160))}, r"damping.ratio\[1\] = 1e\+160: must be at most"),
+    ("coefficient", {"damping": ViscousDamping(coefficient=1e200)}, r"damping.coefficient = 1e\+200: must be at most"),
+    ("fast record", {"base_motion": record(rate=1e120)}, r"base_motion.rate = 1e\+120: the samples come to 1e-120 s"),
+    ("slow record", {"base_motion": record(rate=1e-308)}, r"base_motion.rate = 1e-308: .* and inf s in all; allowed"),
+    ("times", {"base_motion": record(rate=None, times=[1e-120 * i for i in range(60)])}, "base_motion.times: the sam"),
+    (
+        "swift record",
+        {"base_motion": record(quantity="displacement", rate=1e60)},
+        "base_motion: the largest acceleration of the base comes to",
+    ),
+    ("frequency", {"base_motion": BaseMotion(amplitude=1.0, angular_frequency=1e-60)}, "must be between 1e-100 and"),
+    ("amplitude", {"base_motion": BaseMotion(amplitude=1e101, angular_frequency=1.0)}, r"amplitude = 1e\+101: must be"),
+    (
+        "acceleration",
+        {"base_motion": BaseMotion(amplitude=1e99, angular_frequency=1e3)},
+        "the acceleration comes to 1e",
+    ),
+    ("phase", {"base_motion": BaseMotion(amplitude=1.0, angular_frequency=1.0, phase=1e150)}, r"phase = 1e\+150: allo"),
+    ("force", {"point_loads": (StepLoad(x=1.0, force=-1e150),)}, r"point_loads\[0\].force = -1e\+150: must be at most"),
+    ("gap", {"stops": (Stop(x=1.0, side="top", gap=1e150, stiffness=1e4),)}, r"stops\[0\].gap = 1e\+150: must be at"),
+    ("start", {"initial": PolynomialShape(displacement=(0.0, 1e300))}, "initial.displacement: the largest value comes"),
+    ("at the root", {"supports": pins(0.0, 5e-324)}, r"supports\[1\].x = 4.94066e-324: must be 0, or more than 1e-12"),
+    ("one pin or two", {"supports": pins(0.5, 0.5 + 1e-14)}, r"supports\[1\].x = .*: lies 1e-14 m from supports\[0\]"),
 ]
 
 
 @pytest.mark.parametrize(("parts", "message"), [row[1:] for row in REFUSED], ids=[row[0] for row in REFUSED])
-def test_parts_that_do_not_fit_together_are_refused(parts: dict[str, Any], message: str) -> None:
+def test_parts_that_do_not_fit_together_or_hold_numbers_out_of_range_are_refused(
+    parts: dict[str, Any], message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         Problem(beam=BEAM, **parts)
+
+
+def test_numbers_that_vanish_beside_all_else_are_allowed() -> None:
+    least = 5e-324
+    Problem(
+        beam=BEAM,
+        supports=(),
+        stops=(Stop(x=0.5, side="top", gap=least, stiffness=1.0),),
+        damping=ModalDamping(ratio=least),
+        base_motion=BaseMotion(amplitude=least, angular_frequency=1.0, phase=least),
+        initial=PolynomialShape(displacement=(0.0,), velocity=(least,)),
+    )
 
 
 def test_a_start_may_move_what_is_not_fixed() -> None:

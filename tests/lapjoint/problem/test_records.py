@@ -12,7 +12,7 @@ import pytest
 
 from lapjoint import InputError, Problem, paper_joint, read_problem, write_problem
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
-from lapjoint.campaigns.plan import Plan
+from lapjoint.campaigns.sweep.spec import Plan
 from lapjoint.errors import RecordWarning
 from lapjoint.problem import RecordBaseMotion, RecordLoad
 from lapjoint.problem.files import from_toml, problem_from_tables, problem_tables, to_toml

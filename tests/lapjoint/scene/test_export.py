@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import meshio
 import numpy as np
 import pytest
+from written_history import with_section
 
-from lapjoint import FREE, Circle, ContactState, History, InputError, Material, Rectangle, Tube, paper_joint
+from lapjoint import FREE, Circle, ContactState, History, InputError, Rectangle, Tube, paper_joint
 from lapjoint.answers import Modes
 from lapjoint.errors import OutputError
-from lapjoint.problem.beam import Beam, Section
+from lapjoint.problem.beam import Section
 from lapjoint.scene import export_modes, export_motion
 from lapjoint.scene.scene import Scene, motion_scene
 
-E, DEPTH = 2e11, 0.02
+DEPTH = 0.02  # m
 TIMES = [0.0, 0.1, 0.25, 0.77, 1.0]
 
 
@@ -27,19 +29,6 @@ class Read(NamedTuple):
     points: Any
     point_data: dict[str, Any]
     cell_data: dict[str, Any]
-
-
-def with_section(history: History, section: Section | None = None) -> History:
-    """The same motion, of a beam with a section."""
-    section = section or Rectangle(breadth=0.05, height=DEPTH)
-    beam = Beam(length=1.0, material=Material(youngs_modulus=E, density=7800.0), section=section)
-    return History(**{**history.__dict__, "problem": history.problem.replace(beam=beam)})
-
-
-@pytest.fixture
-def solid(history: History) -> History:
-    """The motion that is written down, of a beam with a section."""
-    return with_section(history)
 
 
 def vtu_by_meshio(path: Path) -> dict[float, dict[str, Read]]:
@@ -268,7 +257,7 @@ def test_the_second_motion_carries_its_difference_from_the_first(solid: History)
     def doubled(x: Any, t: Any, dx: int = 0, dt: int = 0) -> Any:
         return 2 * solid.field(x, t, dx, dt)
 
-    other = History(**{**solid.__dict__, "field": doubled})
+    other = replace(solid, field=doubled)
     scene = motion_scene({"one": solid, "two": other}, points=5)
     names = [name for name, _ in scene.parts]
     values = dict(zip(names, scene.block(np.array([0.3])).values, strict=True))
@@ -291,7 +280,7 @@ def test_a_beam_without_a_section_is_a_line(history: History, tmp_path: Path) ->
 def test_every_stop_and_support_is_among_the_points(history: History) -> None:
     moved = history.problem.stops[0].model_copy(update={"x": 0.3137})
     problem = history.problem.replace(stops=(moved, history.problem.stops[1]))
-    other = History(**{**history.__dict__, "problem": problem})
+    other = replace(history, problem=problem)
     (_, beam) = motion_scene(other, points=5).parts[0]
     np.testing.assert_array_equal(beam.points[:, 0], [0.0, 0.25, 0.3137, 0.5, 0.75, 1.0])
 
@@ -417,7 +406,7 @@ def test_what_is_in_the_way_of_a_series_is_left_alone(solid: History, tmp_path: 
 def test_whatever_the_title_says_the_series_can_be_read(solid: History, tmp_path: Path) -> None:
     for title in ("a---b-", "bell \a & <tag> \x85"):
         problem = solid.problem.replace(title=title)
-        motion = History(**{**solid.__dict__, "problem": problem})
+        motion = replace(solid, problem=problem)
         assert list(vtu_by_meshio(export_motion(motion, tmp_path, times=[0.0]))) == [0.0]
         path = export_motion(motion, tmp_path, format="vtkhdf", times=[0.0, 0.05])
         assert list(vtkhdf_by_vtk(path)) == [0.0, 0.05]
@@ -454,6 +443,6 @@ def test_a_motion_has_a_name_that_a_file_can_have(history: History, tmp_path: Pa
 
 
 def test_motions_without_a_time_in_common_are_refused(history: History, tmp_path: Path) -> None:
-    later = History(**{**history.__dict__, "start": 2.0, "end": 3.0})
+    later = replace(history, start=2.0, end=3.0)
     with pytest.raises(InputError, match="no time in common"):
         export_motion({"one": history, "two": later}, tmp_path)

@@ -62,7 +62,7 @@ def test_a_motion_that_all_first_looks_miss_is_shown(history: History, seconds: 
 
 
 def test_two_motions_are_shown_at_the_switches_of_both(history: History) -> None:
-    other = History(**{**history.__dict__, "switch_times": history.switch_times + 1e-3, "end": 0.9})
+    other = replace(history, switch_times=history.switch_times + 1e-3, end=0.9)
     times = chosen_times([history, other], frames=3)
     assert times[-1] == 0.9
     assert {t for t in (*history.switch_times, *other.switch_times) if t <= 0.9} <= set(times)

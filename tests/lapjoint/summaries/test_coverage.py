@@ -24,16 +24,17 @@ UNITS = (8, 20)
 DECAY_TIME = 10.0  # s, of the slowest mode of both
 NAMES = ("displacement_mean", "displacement_rms", "velocity_rms", "absolute_acceleration_rms", "displacement_maximum")
 OF_STOPS = ("force_rms", "force_maximum", "contact_rate", "contact_time", "impulse_rate")
-Family = Callable[[int], tuple[Problem, Noisy]]
+Case = Callable[[int], tuple[Problem, Noisy]]
+"""A joint, and the motion of it that a seed gives."""
 
 
-def motions(family: Family, number: int, units: int) -> tuple[Measure, list[Sums]]:
+def motions(case: Case, number: int, units: int) -> tuple[Measure, list[Sums]]:
     """How motions are summarised, and the sums of so many."""
-    problem, solver = family(0)
+    problem, solver = case(0)
     duration = (SETTLED + (LONG + 0.01) * units) * DECAY_TIME
     what = measure(selection(problem, at=[1.0]), solver, duration)
     assert what.units == units
-    return what, [sums_of(what, family(seed)[1], problem) for seed in range(number)]
+    return what, [sums_of(what, case(seed)[1], problem) for seed in range(number)]
 
 
 def values(what: Measure, sums: Sums) -> Iterator[tuple[str, float, FloatArray]]:
@@ -46,9 +47,9 @@ def values(what: Measure, sums: Sums) -> Iterator[tuple[str, float, FloatArray]]
             yield f"{name} of stop {stop}", float(found[name][stop]), ends
 
 
-def coverage(family: Family, number: int, units: int) -> dict[str, float]:
+def coverage(case: Case, number: int, units: int) -> dict[str, float]:
     """The share of intervals that hold the truth, of each value, from so many motions and units."""
-    what, sums = motions(family, number, units)
+    what, sums = motions(case, number, units)
     truth = {name: value for name, value, _ in values(what, Sums.joined(sums))}
     held: dict[str, list[bool]] = defaultdict(list)
     for one in sums:
@@ -57,17 +58,17 @@ def coverage(family: Family, number: int, units: int) -> dict[str, float]:
     return {name: float(np.mean(each)) for name, each in held.items()}
 
 
-@pytest.mark.parametrize("family", [bar, pytest.param(beam, marks=pytest.mark.thorough)])
-def test_most_intervals_of_twenty_short_motions_hold_the_mean_of_all(family: Family) -> None:
-    shares = coverage(family, 20, 8)
+@pytest.mark.parametrize("case", [bar, pytest.param(beam, marks=pytest.mark.thorough)])
+def test_most_intervals_of_twenty_short_motions_hold_the_mean_of_all(case: Case) -> None:
+    shares = coverage(case, 20, 8)
     assert len(shares) == 15
     assert 0.85 < np.mean(list(shares.values())) < 1  # 95 % are promised, of 20 motions whose values hang together
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)
-@pytest.mark.parametrize("family", [bar, beam])
-def test_19_of_20_intervals_of_a_thousand_short_motions_hold_the_mean_of_all(family: Family, units: int) -> None:
+@pytest.mark.parametrize("case", [bar, beam])
+def test_19_of_20_intervals_of_a_thousand_short_motions_hold_the_mean_of_all(case: Case, units: int) -> None:
     """A share of 1000 has a standard error of 0.7 %; docs/statistics.md says that 92 to 97 % hold."""
-    for name, share in coverage(family, 1000, units).items():
+    for name, share in coverage(case, 1000, units).items():
         assert 0.92 - 2 * 0.007 < share < 0.99, (name, share)

@@ -28,8 +28,9 @@ from lapjoint import (
     paper_joint,
     sweep,
 )
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.cli.main import main
+from lapjoint.summaries import summarise
 from lapjoint.summaries.of_orbit import OF_STOPS
 
 OMEGA, AMPLITUDE, STIFFNESS = 40.0, 1e-3, 6e3
@@ -50,7 +51,7 @@ def joint() -> SteadyState:
 def test_a_mass_on_springs_has_the_amplitude_of_its_closed_form() -> None:
     own, ratio = math.sqrt(STIFFNESS / 2.0), 0.05
     size = AMPLITUDE * OMEGA**2 / math.hypot(own**2 - OMEGA**2, 2 * ratio * own * OMEGA)
-    summary = analytic.Solver(n_modes=3).steady_state(SPRUNG).summary()
+    summary = summarise(analytic.Solver(n_modes=3).steady_state(SPRUNG))
     assert summary.errors is not None
     for name, order in (("displacement", 0), ("velocity", 1)):
         for what, share in (("peak", 1.0), ("rms", math.sqrt(0.5))):
@@ -62,8 +63,8 @@ def test_a_mass_on_springs_has_the_amplitude_of_its_closed_form() -> None:
 
 
 def test_both_solvers_agree_within_their_errors(joint: SteadyState) -> None:
-    ours = joint.summary()
-    theirs = fe_lapjoint.Solver(elements=16).steady_state(joint.problem).summary()
+    ours = summarise(joint)
+    theirs = summarise(fe_lapjoint.Solver(elements=16).steady_state(joint.problem))
     assert ours.errors is not None
     assert theirs.errors is not None
     for name, value in ours.values.items():
@@ -72,7 +73,7 @@ def test_both_solvers_agree_within_their_errors(joint: SteadyState) -> None:
 
 
 def test_peaks_and_means_are_those_of_a_dense_series(joint: SteadyState) -> None:
-    summary, history = joint.summary(), joint.history
+    summary, history = summarise(joint), joint.history
     t = np.linspace(history.start, history.end, 40001)
     x = summary.selection.x
     for name, values in (("displacement", history.displacement(x, t)), ("moment", history.moment(x, t))):
@@ -87,9 +88,9 @@ def test_peaks_and_means_are_those_of_a_dense_series(joint: SteadyState) -> None
 
 
 def test_without_errors_there_are_none(joint: SteadyState) -> None:
-    assert analytic.Solver(n_modes=3).steady_state(SPRUNG, errors=False).summary().errors is None
+    assert summarise(analytic.Solver(n_modes=3).steady_state(SPRUNG, errors=False)).errors is None
     with pytest.raises(InputError, match="lies outside the beam"):
-        joint.summary(at=[3.0])
+        summarise(joint, at=[3.0])
 
 
 def test_means_of_chaos_have_standard_errors_and_peaks_have_none() -> None:
@@ -100,7 +101,7 @@ def test_means_of_chaos_have_standard_errors_and_peaks_have_none() -> None:
     )
     found = analytic.Solver(n_modes=2, max_periods=300).steady_state(problem)
     assert found.outcome in (Outcome.APERIODIC, Outcome.UNDECIDED)
-    summary = found.summary(quantities=["displacement"])
+    summary = summarise(found, quantities=["displacement"])
     assert summary.errors is not None
     assert np.isinf(summary.errors["displacement_peak"]).all()
     error, value = summary.errors["displacement_rms"], summary.values["displacement_rms"]
@@ -114,7 +115,7 @@ def test_a_sweep_keeps_what_is_named(tmp_path: Path) -> None:
     names = ["displacement_peak", "force_rms", "contact_time"]
     axes = [Axis(FREQUENCY, [500.0, 820.0])]
     found = sweep(paper_joint(), axes, options={"n_modes": 6}, errors=True, summary=names, out=tmp_path / "curve.nc")
-    alone = analytic.Solver(n_modes=6).steady_state(paper_joint(angular_frequency=820.0)).summary()
+    alone = summarise(analytic.Solver(n_modes=6).steady_state(paper_joint(angular_frequency=820.0)))
     assert alone.errors is not None
     i = int(alone.values["displacement_peak"].argmax())
     assert float(found.displacement_peak[1]) == alone.values["displacement_peak"][i]
@@ -140,7 +141,7 @@ def test_what_is_nothing_but_rounding_is_zero(index: int) -> None:
     """Moments at free ends, displacements at fixed ones: exactly, in means and peaks, and their errors with them."""
     problem = joint_of(7, index)
     found = analytic.Solver(n_modes=8, max_periods=64).steady_state(problem)
-    summary = found.summary(quantities=["displacement", "moment"])
+    summary = summarise(found, quantities=["displacement", "moment"])
     assert summary.errors is not None
     fixed = [s.x for s in problem.supports if s.translational == math.inf]
     free = {0.0, 1.0} - {s.x for s in problem.supports if s.torsional}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lapjoint.campaigns.basin_table import wilson as counted
+from lapjoint.campaigns.basins.motions import wilson as counted
 from validation.cases import branch_births as births
 from validation.cases import branches as case
 from validation.cases.branch_ends import gaps_of

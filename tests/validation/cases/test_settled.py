@@ -9,7 +9,7 @@ import analytic
 from lapjoint.orbits import search
 from lapjoint.orbits.approach import Forecast
 from lapjoint.orbits.newton import Orbit
-from lapjoint.orbits.search import Search
+from lapjoint.orbits.search import SteadyStateSearch
 from lapjoint.problem import FloatArray
 from validation.cases import settled
 from validation.verdict import Verdict
@@ -35,11 +35,11 @@ def test_a_march_that_is_called_bound_too_early_is_caught(monkeypatch: pytest.Mo
 
 
 def test_an_orbit_that_is_waited_for_though_the_march_has_left_it_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def waits(self: Search, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
+    def waits(self: SteadyStateSearch, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
         self._advance(periods)
         return True
 
-    monkeypatch.setattr(Search, "_on_course", waits)
+    monkeypatch.setattr(SteadyStateSearch, "on_course", waits)
     assert any("until it is accepted" in name for name in disagree("early contacts"))
 
 

@@ -12,6 +12,7 @@ from lapjoint import Problem
 from lapjoint.campaigns.branches import search
 from lapjoint.campaigns.branches.search import Diagram, Part, Search
 from lapjoint.campaigns.branches.spec import BranchSpec
+from lapjoint.campaigns.branches.unknown import Reached
 
 MANY = 41
 """Number of branches in all: a motion is a whole number, and lies on the branch of its remainder."""
@@ -46,6 +47,7 @@ class MadeMotion:
 
     def __init__(self, spec: BranchSpec, plain: dict[str, Any]) -> None:
         self.start = SimpleNamespace(value=plain["value"])
+        self.is_stable = bool(plain["value"] % 2)
 
     def lies_on(self, curve: int) -> bool:
         """Whether it is one of a branch."""
@@ -121,6 +123,29 @@ def test_all_that_springs_is_followed_and_what_is_not_is_told_once(problem: Prob
     failed = [why for why in found.failures if why.endswith(f"{FAILS} cannot be followed")]
     assert all(why.startswith("a motion at base_motion.amplitude = ") for why in failed)
     assert len(found.failures) == len(unsprung) + len(failed) == len(set(found.failures))
+
+
+def test_what_random_starts_led_to_counts_what_they_alone_led_to(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A start is not alone on a branch to which an end, another start, or what springs from another branch leads."""
+    to = [[1], [], [1, 3], [3], [5], [7], [8], []]
+
+    def start(spec: BranchSpec, number: int) -> dict[str, Any]:
+        return {"starts": motions(*to[number])}
+
+    def branch(spec: BranchSpec, start: dict[str, Any], progress: object) -> dict[str, Any]:
+        own = start["value"] % MANY
+        sprung = {1: [1 + MANY], 8: [7, 11]}.get(own, [])
+        return {"own": own, "points": [{"period_multiple": 1}], "unsprung": [], "starts": motions(*sprung)}
+
+    monkeypatch.setattr(search, "solve_start", start)
+    spec = BranchSpec(problem, "base_motion.amplitude", 3e-4, 4e-4, starts=6)
+    monkeypatch.setattr(search, "solve_branch", branch)
+    diagram, _ = searched(spec, 1)
+    # 1 at an end and from 2; 3 from 2 and 3; 5 from 4 alone; 7 from 5, and from 8, to which the unstable start 6 leads.
+    assert diagram.reached == Reached(5, 4, 1)
+    assert len(diagram.branches) == 6
 
 
 def test_a_search_that_resumes_does_nothing_again_and_finds_the_same(problem: Problem) -> None:

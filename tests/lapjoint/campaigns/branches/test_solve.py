@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -11,6 +12,9 @@ from lapjoint.campaigns.branches import solve
 from lapjoint.campaigns.branches.solve import solve_branch, solve_start
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.errors import SolverError
+from lapjoint.orbits.branches.resolution import ParameterRange
+from lapjoint.orbits.branches.starts import Start
+from lapjoint.orbits.branches.tracing import Limits
 
 
 def test_both_ends_of_the_range_lead_to_the_motion_from_rest_and_to_that_without_contact_if_no_stop_is_in_its_way(
@@ -45,6 +49,21 @@ def test_a_motion_that_newton_does_not_find_again_is_said(spec: BranchSpec, monk
     found = solve_branch(spec, start)
     assert not found["points"]
     assert found["message"] == "Newton's method does not find the motion again"
+
+
+@pytest.mark.parametrize("from_grazes", [False, True])
+def test_motions_beside_grazes_are_looked_for_if_asked(
+    spec: BranchSpec, monkeypatch: pytest.MonkeyPatch, from_grazes: bool
+) -> None:
+    limits = list[Limits]()
+
+    def noted(of: ParameterRange, start: Start, most: int, given: Limits) -> None:
+        limits.append(given)
+
+    (start, *_) = solve_start(spec, 0)["starts"]
+    monkeypatch.setattr(solve, "trace", noted)
+    solve_branch(replace(spec, from_grazes=from_grazes), start)
+    assert [one.from_grazes for one in limits] == [from_grazes]
 
 
 def test_a_solver_that_stops_is_said_with_its_message(spec: BranchSpec, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -23,11 +23,16 @@ from lapjoint.campaigns.branches.spec import BranchSpec, range_of
         {"max_points": 8},
         {"effort": 8},
         {"also_over": Axis("stops.*.gap", (1e-3, 2e-3))},
+        {"from_grazes": True},
     ],
 )
 def test_a_search_for_something_else_is_another_one(spec: BranchSpec, other: dict[str, Any]) -> None:
     assert replace(spec).fingerprint == spec.fingerprint
     assert replace(spec, **other).fingerprint != spec.fingerprint
+
+
+def test_a_search_that_leaves_out_what_springs_at_grazes_is_the_one_before_there_was_a_choice(spec: BranchSpec) -> None:
+    assert "from_grazes" not in spec.identity
 
 
 def test_a_range_is_made_once(spec: BranchSpec) -> None:

@@ -11,11 +11,11 @@ import numpy.typing as npt
 import pytest
 import xarray as xr
 
-from lapjoint import InputError
+from lapjoint import InputError, Problem
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.branches.table import KINDS, branch_dataset, read_branches, uncovered
-from lapjoint.campaigns.dataset import read_curve
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem import FloatArray
 
@@ -70,6 +70,15 @@ def test_a_search_that_finds_nothing_has_a_dataset_that_says_so(spec: BranchSpec
     assert int(nothing.left_out) == 2
     assert (nothing.uncovered_from.item(), nothing.uncovered_to.item()) == (LOW, HIGH)
     assert nothing.sizes["point"] == nothing.sizes["bifurcation"] == nothing.sizes["branch_number"] == 0
+
+
+def test_random_starts_of_which_none_led_to_a_stable_motion_tell_nothing(
+    problem: Problem, asked: dict[str, Any]
+) -> None:
+    nothing = branch_dataset(BranchSpec(problem, **asked, starts=2), [Diagram([])])
+    assert np.isnan(float(nothing.unknown_probability))
+    assert "NaN where" in nothing.unknown_probability.attrs["long_name"]
+    assert float(nothing.unknown_probability_bound) == 1.0
 
 
 def test_parts_of_the_range_that_no_branch_covers_are_told_with_the_ends_beside_them(spec: BranchSpec) -> None:

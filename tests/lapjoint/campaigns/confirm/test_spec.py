@@ -12,8 +12,11 @@ import xarray as xr
 
 from lapjoint import Axis, InputError
 from lapjoint.campaigns.branches.running import branch
-from lapjoint.campaigns.confirm import spec as asked
-from lapjoint.campaigns.confirm.spec import Confirmed, ConfirmSpec, confirm_spec
+from lapjoint.campaigns.branches.search import Diagram
+from lapjoint.campaigns.branches.table import branch_dataset
+from lapjoint.campaigns.confirm import solve
+from lapjoint.campaigns.confirm.solve import Confirmed, solve_bifurcation
+from lapjoint.campaigns.confirm.spec import ConfirmSpec, confirm_spec
 from lapjoint.errors import SolverError
 from lapjoint.problem.files import from_toml
 
@@ -39,6 +42,12 @@ def test_all_bifurcations_are_looked_for_with_the_motions_of_the_finest_resoluti
 def test_what_was_asked_of_the_search_comes_back_from_its_dataset(branches: xr.Dataset, spec: ConfirmSpec) -> None:
     assert spec.branches.fingerprint == branches.attrs["fingerprint"]
     assert (spec.other.solver, spec.other.options) == ("fe", OPTIONS)
+
+
+def test_a_search_that_followed_what_springs_at_grazes_comes_back_as_such(branches: xr.Dataset) -> None:
+    also = replace(confirm_spec(branches, "fe", OPTIONS).branches, from_grazes=True)
+    held = branches.assign_attrs(branch_dataset(also, [Diagram([])]).attrs)
+    assert confirm_spec(held, "fe", OPTIONS).branches.fingerprint == also.fingerprint
 
 
 def test_a_share_is_drawn_at_random_and_by_its_seed(branches: xr.Dataset) -> None:
@@ -82,7 +91,7 @@ def test_at_values_of_a_second_number_each_bifurcation_is_looked_for_at_its_own(
 
 
 def answer_of(spec: ConfirmSpec) -> Confirmed:
-    return spec.answer(0, spec.check(), None)[0]
+    return solve_bifurcation(spec, 0)
 
 
 def test_a_bifurcation_without_a_motion_in_the_file_is_said(spec: ConfirmSpec) -> None:
@@ -94,7 +103,7 @@ def test_a_bifurcation_without_a_motion_in_the_file_is_said(spec: ConfirmSpec) -
 def test_a_motion_that_the_first_solver_does_not_find_again_is_said(
     spec: ConfirmSpec, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(asked, "located_of", lambda *_: None)
+    monkeypatch.setattr(solve, "located_of", lambda *_: None)
     assert "the first solver does not find it again" in answer_of(spec).message
 
 
@@ -102,7 +111,7 @@ def test_a_solver_that_stops_is_said_with_its_message(spec: ConfirmSpec, monkeyp
     def stops(*args: Any) -> None:
         raise SolverError("stopped at t = 0.1 s")
 
-    monkeypatch.setattr(asked, "confirmed", stops)
+    monkeypatch.setattr(solve, "confirmed", stops)
     found = answer_of(spec)
     assert (found.verdict, found.message) == ("not found", "stopped at t = 0.1 s")
 

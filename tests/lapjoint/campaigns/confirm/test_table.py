@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from lapjoint.campaigns.branches.table import KINDS
-from lapjoint.campaigns.confirm.spec import Confirmed, confirm_spec
+from lapjoint.campaigns.confirm.solve import Confirmed
+from lapjoint.campaigns.confirm.spec import confirm_spec
 from lapjoint.campaigns.confirm.table import VERDICTS, confirm_dataset
 
 

@@ -6,15 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from galerkin_arcs import GalerkinArcs, before_first_graze, towards_graze
-from scipy.integrate import solve_ivp
+from galerkin_arcs import GalerkinArcs, before_first_graze, marched, towards_graze
 
-from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.branches.bifurcations import Stretch
 from lapjoint.orbits.branches.continuation import End, follow
-from lapjoint.orbits.branches.point import CurvePoint
 from lapjoint.orbits.branches.sequence_changes import SequenceChange
-from lapjoint.problem import FloatArray
 
 SEED, FEW, MANY, MOST = 46, 12, 100, 600
 FARTHEST = 2.0
@@ -49,23 +45,6 @@ def followed(seed: int, index: int) -> Followed:
         if len(found.stretches) > MOST:
             break
     return found
-
-
-def marched(arcs: GalerkinArcs, point: CurvePoint) -> FloatArray:
-    """The motion a period after the section, by an integrator that knows of no sequence: the force law alone."""
-    stops, rows = arcs.problem.stops, [arcs.row(k) for k in range(len(arcs.problem.stops))]
-
-    def rate(t: float, y: FloatArray) -> FloatArray:
-        closed = tuple(k for k, stop in enumerate(stops) if stop.sign * float(rows[k] @ y) > stop.gap)
-        state = arcs.state(ContactState(closed))
-        return np.asarray(state.A @ (y - state.forced(t)) + state.forced(t, 1))
-
-    time, start = point.problem.time(point.u), point.u[: point.coordinates]
-    # the force law has kinks where a stop switches: steps must be short there, wherever that is
-    found = solve_ivp(
-        rate, (time, time + arcs.period), start, "DOP853", rtol=1e-9, atol=1e-13, max_step=arcs.period / 400
-    )
-    return np.asarray(found.y[:, -1])
 
 
 def check(found: Followed, rng: np.random.Generator) -> None:

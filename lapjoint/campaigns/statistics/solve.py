@@ -1,0 +1,38 @@
+"""How a realisation is summarised: to sums that do not grow with its duration, and that depend on no other one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from lapjoint.campaigns.statistics.spec import Realisations
+from lapjoint.errors import SolverError
+from lapjoint.solver import Progress, Solver
+from lapjoint.summaries.measure import sums_of
+
+REHEARSAL = 1e-3
+"""Part of the duration that is marched to have everything compiled, before workers begin."""
+
+
+@dataclass(frozen=True)
+class Realised:
+    """What came of one realisation."""
+
+    sums: dict[str, Any] | None = None
+    """Its sums, as `Sums.plain` gives them; None if the solver gave up."""
+    message: str = ""
+    """Why the solver gave up; empty where it did not."""
+
+
+def solve_realisation(spec: Realisations, number: int, solver: Solver, progress: Progress | None = None) -> Realised:
+    """The sums of a realisation; `progress` is called with the time marched and the whole, s."""
+    try:
+        return Realised(sums_of(spec.measure(solver), solver, spec.realisation(number), progress).plain())
+    except SolverError as error:
+        return Realised(message=str(error))
+
+
+def rehearse(spec: Realisations, solver: Solver) -> None:
+    """March a small part of the duration, so that everything is compiled."""
+    short = replace(spec.measure(solver), duration=REHEARSAL * spec.duration, settle=0.0, units=1)
+    sums_of(short, solver, spec.problem)

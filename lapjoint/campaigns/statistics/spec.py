@@ -1,0 +1,106 @@
+"""What is asked of statistics: the problem, the duration of its motions, and the number of realisations.
+
+A realisation is the problem with other seeds of its random parts: its own plus the number of the realisation.  A cell
+is one realisation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.problem.random_motion import LARGEST_SEED
+from lapjoint.solver import Solver, make_solver
+from lapjoint.summaries.measure import Measure, measure
+from lapjoint.summaries.quantities import selection
+
+MOST_SEEDS = 100_000
+"""Largest number of realisations."""
+
+
+@dataclass(frozen=True)
+class Realisations:
+    """Everything that statistics depend on; the fields are the arguments of `lapjoint.statistics`.
+
+    InputError is raised if the number of realisations, `seeds`, is not allowed.
+    """
+
+    noun: ClassVar[str] = "run of statistics"
+    cells_noun: ClassVar[str] = "realisations"
+
+    problem: Problem
+    duration: float
+    seeds: int = 1
+    solver: str = "analytic"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    at: tuple[float, ...] | None = None
+    quantities: tuple[str, ...] | None = None
+    settle: float | None = None
+    rate: float | None = None
+
+    def __post_init__(self) -> None:
+        check_integer("seeds", self.seeds, 1, MOST_SEEDS)
+        if self.seeds > 1 and not self.problem.random:
+            raise InputError(
+                f"seeds = {self.seeds}: nothing in this problem is random, so all realisations would be one; give it a "
+                'base_motion or a load of kind = "random", or leave seeds out'
+            )
+
+    @property
+    def size(self) -> int:
+        """Number of realisations."""
+        return self.seeds
+
+    def check(self) -> Solver:
+        """Make the solver; InputError if it does not take its options, or the motions cannot be summarised so."""
+        solver = make_solver(self.solver, **self.options)
+        self.measure(solver)
+        return solver
+
+    def measure(self, solver: Solver) -> Measure:
+        """How each motion is summarised; the solver gives the modes that tell how fast motions settle.
+
+        InputError is raised if something is not allowed, or nothing is left of a motion.
+        """
+        what = selection(self.problem, at=self.at, quantities=self.quantities)
+        return measure(what, solver, self.duration, seeds=self.seeds, settle=self.settle, rate=self.rate)
+
+    def realisation(self, number: int) -> Problem:
+        """The problem with the seeds of a realisation; number 0 is the problem itself."""
+        if not number:
+            return self.problem
+        return self.problem.with_seeds(lambda own: (own + number) % (LARGEST_SEED + 1))
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes these statistics from any other, as values that JSON can hold."""
+        given = {
+            name: getattr(self, name) for name in ("duration", "seeds", "solver", "at", "quantities", "settle", "rate")
+        }
+        return {
+            **problem_identity(self.problem),
+            **{name: list(value) if isinstance(value, tuple) else value for name, value in given.items()},
+            "options": dict(self.options),
+            "versions": versions(),
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the identity, in hexadecimal digits."""
+        return digest_of(self.identity, self.options)
+
+
+def lasting(problem: Problem, duration: float | None) -> float:
+    """The duration that is asked for, s, or that of the shortest record; InputError if there is neither."""
+    if duration is not None:
+        return float(duration)
+    if not np.isfinite(problem.longest):
+        raise InputError("duration: is missing; only a problem with a record has a duration of its own")
+    return problem.longest

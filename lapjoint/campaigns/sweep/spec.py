@@ -1,0 +1,142 @@
+"""What is asked of a sweep: the grid, the solver, and the initial state of each motion.
+
+A *cell* is one motion to be found: a point of the grid, and the number of its start.  Cells are numbered in C order,
+with the start fastest.  The plan holds everything that a cell's answer depends on; the answer depends neither on the
+sequence of the work nor on the number of workers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+
+from lapjoint.campaigns.dataset import SWEEP
+from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.errors import InputError
+from lapjoint.solver import Solver, make_solver
+from lapjoint.summaries.of_orbit import check_names
+
+Start = Literal["rest", "up", "down", "random"]
+"""How motions start; `Plan` says what the words mean."""
+MOST_STARTS = 10_000
+"""Largest number of starts at a point."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Everything that the answers of a sweep depend on.
+
+    Parameters
+    ----------
+    grid : Grid
+        The problem and the axes.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping
+        Numerical options of the solver.
+    start : {"rest", "up", "down", "random"}
+        "rest": every motion starts from the problem's own initial state.  "up", "down": each motion starts from the
+        section point at which the one before it has settled, along the first axis, ascending or descending.
+        "random": every motion starts from a random initial state.
+    starts : int
+        Number of starts at each point; with "rest", the starts after the first are random.
+    seed : int
+        Seed of the random initial states.
+    sensitivity : bool
+        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
+    errors : bool
+        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
+    summary : tuple of str
+        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`.
+
+    Raises
+    ------
+    InputError
+        If a parameter is not allowed.
+    """
+
+    noun: ClassVar[str] = SWEEP
+    cells_noun: ClassVar[str] = "points"
+
+    grid: Grid
+    solver: str = "analytic"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    start: Start = "rest"
+    starts: int = 1
+    seed: int = 0
+    sensitivity: bool = False
+    errors: bool = False
+    summary: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "summary", check_names(self.summary))
+        if any(name.startswith("stress_") for name in self.summary):
+            self.grid.problem.beam.require_section("summary of the stress")
+        if self.start not in get_args(Start):
+            raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
+        check_integer("starts", self.starts, 1, MOST_STARTS)
+        check_integer("seed", self.seed, 0, 2**63 - 1)
+        if self.chained and self.starts > 1:
+            raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
+
+    @property
+    def chained(self) -> bool:
+        """Whether each motion starts from the one before it."""
+        return self.start in ("up", "down")
+
+    @property
+    def has_starts(self) -> bool:
+        """Whether there is a dimension of starts."""
+        return self.start == "random" or self.starts > 1
+
+    @property
+    def size(self) -> int:
+        """Number of cells."""
+        return self.grid.size * self.starts
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the cells: the grid's, and the starts where there is a dimension of them."""
+        return (*self.grid.shape, self.starts) if self.has_starts else self.grid.shape
+
+    def chains(self) -> Iterator[tuple[int, ...]]:
+        """The cells of each chain, in the sequence in which they are solved."""
+        first, *others = self.grid.axes
+        sequence = np.argsort(first.values)
+        sequence = sequence[::-1] if self.start == "down" else sequence
+        for rest in product(*(range(len(axis.values)) for axis in others)):
+            yield tuple(int(np.ravel_multi_index((int(i), *rest), self.grid.shape)) for i in sequence)
+
+    def check(self) -> Solver:
+        """Make the solver; InputError if it does not take its options, or a point has no valid problem."""
+        solver = make_solver(self.solver, **self.options)
+        self.grid.check()
+        return solver
+
+    @cached_property
+    def identity(self) -> dict[str, Any]:
+        """What distinguishes this sweep from any other, as values that JSON can hold; floats are written exactly."""
+        return {
+            **problem_identity(self.grid.problem),
+            "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
+            "solver": self.solver,
+            "options": dict(self.options),
+            "start": self.start,
+            "starts": self.starts,
+            "seed": self.seed,
+            "sensitivity": self.sensitivity,
+            "errors": self.errors,
+            **({"summary": list(self.summary)} if self.summary else {}),  # as before where there is none
+            "versions": versions(),
+        }
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """A digest of the identity, in hexadecimal digits."""
+        return digest_of(self.identity, self.options)
