@@ -35,13 +35,7 @@ class Fault:
         return PLACES[self.where.partition(":")[0].partition(".")[0]]
 
     def put_into(self, tree: Path) -> Changed:
-        """The module that has the fault, and its source with the fault in it.
-
-        Raises
-        ------
-        ValueError
-            If `old` does not stand exactly once in the definition.
-        """
+        """The module that has the fault, and its source with the fault in it."""
         below, _, name = self.where.partition(":")
         homes = [
             (module, source, node) for module, source in sources_below(tree, below) for node in defined(name, source)

@@ -58,18 +58,7 @@ class Mutant:
         return f"{self.module}.{self.function}: {old} -> {new}{which}"
 
     def put_into(self, source: str) -> str:
-        """The source of the module with the change in it.
-
-        Parameters
-        ----------
-        source : str
-            The sound source, in which the change was drawn.
-
-        Returns
-        -------
-        str
-            The same, changed.
-        """
+        """The source of the module with the change in it."""
         raw = source.encode()
         return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
 
@@ -78,22 +67,6 @@ def drawn(tree: Path, seed: int, count: int, before: Collection[str] = ()) -> li
     """Changes drawn at random, first the kind and then the place, each place once at most.
 
     A seed draws others as soon as the source changes anywhere.  So those drawn before come first, where they still fit.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-    seed : int
-        Of the random numbers: with the same source it gives the same changes.
-    count : int
-        How many.
-    before : collection of str
-        Identities of those drawn before.
-
-    Returns
-    -------
-    list of Mutant
-        In the sequence in which they were drawn, which does not depend on `count`.
     """
     known: dict[str, list[Mutant]] = {kind: [] for kind in KINDS}
     fitting = {mutant.identity: mutant for mutant in everywhere(tree)}
@@ -126,38 +99,14 @@ def everywhere(tree: Path) -> tuple[Mutant, ...]:
 
 
 def modules(tree: Path) -> list[str]:
-    """Names of the modules that may be changed, sorted.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    list of str
-        Full names.
-    """
+    """Names of the modules that may be changed, sorted."""
     paths = {path.relative_to(tree).with_suffix("") for room in ROOMS for path in (tree / room).rglob("*.py")}
     wanted = [path.as_posix() for path in paths if path.name != "__init__"]
     return sorted(path.replace("/", ".") for path in wanted if path not in LEFT_OUT)
 
 
 def possible(module: str, source: str) -> Iterator[Mutant]:
-    """All changes that may be made in a module.
-
-    Parameters
-    ----------
-    module : str
-        Its full name.
-    source : str
-        Its source.
-
-    Yields
-    ------
-    Mutant
-        In the sequence of the source.
-    """
+    """All changes that may be made in a module."""
     raw = source.encode()
     alike: Counter[tuple[str, ...]] = Counter()
     for function, node in _computing(ast.parse(source), ""):

@@ -15,7 +15,7 @@ from validation.faults.catalogue import CONTROL, FAULTS
 from validation.faults.changed_tree import Changed, change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault
 from validation.faults.record import PAGE, page, recorded
-from validation.faults.running import Kept, Order, Trials, case_digests, plain
+from validation.faults.running import Order, TrialJournal, Trials, case_digests, plain
 from validation.faults.trial import Result, Seen, _Here
 
 TREE = installed_tree()
@@ -126,7 +126,7 @@ def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> Non
     control = CONTROL.put_into(TREE)
     crash = Changed("crash", control.module, control.source + "\nraise RuntimeError('on purpose')\n")
     changes = [*(fault.put_into(TREE) for fault in faults), control, crash]
-    trials = Trials(TREE, "quick", 2, Kept(None))
+    trials = Trials(TREE, "quick", 2, TrialJournal(None))
     seen = {changed.label: seen for changed, seen in trials.judged(changes, Order(dict.fromkeys(cases, 5.0)))}
     assert all(seen[fault.name].result is Result.CAUGHT and seen[fault.name].number for fault in faults)
     assert seen["control"].result is Result.MISSED
@@ -145,7 +145,7 @@ def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their
     path = tmp_path / "kept"
     done: list[str] = []
     for _ in range(2):
-        trials = Trials(TREE, "quick", 1, Kept(path))
+        trials = Trials(TREE, "quick", 1, TrialJournal(path))
         seen = trials.costs(["table4"], lambda case, _: done.append(case))
         assert seen["table4"].seconds > 0
         assert [case for case, _ in seen["table4"].spent] == ["table4"]
@@ -155,24 +155,24 @@ def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their
 
 def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
     path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
-    Kept(path).put("one", seen, CASES)
-    Kept(path).put("two", seen, CASES)
+    TrialJournal(path).put("one", seen, CASES)
+    TrialJournal(path).put("two", seen, CASES)
     whole = path.read_text()
     path.write_text(whole[: len(whole) - 20])
-    assert Kept(path).get("one", _some("table4", "textbook")) == seen
-    assert Kept(path).get("one", _some("table4")) is None
-    assert Kept(path).get("two", _some("textbook")) is None
+    assert TrialJournal(path).get("one", _some("table4", "textbook")) == seen
+    assert TrialJournal(path).get("one", _some("table4")) is None
+    assert TrialJournal(path).get("two", _some("textbook")) is None
 
 
 def test_a_trial_that_nothing_caught_is_run_again_if_there_are_more_cases() -> None:
-    kept = Kept(None)
+    kept = TrialJournal(None)
     missed = kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
     assert kept.get("one", _some("textbook")) == missed
     assert kept.get("one", _some("textbook", "grazing")) is None
 
 
 def test_what_a_case_saw_counts_as_long_as_its_source_is_the_same() -> None:
-    kept = Kept(None)
+    kept = TrialJournal(None)
     kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
     kept.put("two", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 2.0, (("table4", 1.0), ("textbook", 1.0))), CASES)
     changed = {**CASES, "textbook": "another"}
