@@ -1,9 +1,9 @@
 """The paper's joint as branches of motions, beside a sweep of the same range at points one after the other.
 
 Each benchmark times a branch and a sweep in one run, as processor time, which other programs on the machine disturb
-less than the time on the clock; `branch_over_sweep` is their ratio.  `milliseconds_per_point` is that of a motion that
-is kept: it includes the steps that are not taken, and the search for bifurcations and grazes.  The whole diagram of the
-joint with a quarter of its damping, by one process, takes some minutes.
+less than the time on the clock; `branch_over_sweep` is their ratio.  `milliseconds_per_point` is the time of a kept
+motion: it includes the rejected steps, and the search for bifurcations and grazes.  The whole diagram of the joint with
+a quarter of its damping, by one process, takes some minutes.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ WHOLE = 5000
 ELEMENTS = 30
 """Number of finite elements."""
 AIM = 1e-5
-"""Error of a bifurcation over its number that is aimed at."""
+"""Largest relative error of a bifurcation that counts as exact."""
 RANGES: dict[str, tuple[str, float, float, bool]] = {
     "analytic, 1 to 5000": ("analytic", 1.0, 5000.0, False),
     "analytic, 1 to 5000, with errors": ("analytic", 1.0, 5000.0, True),
     "finite elements, 100 to 5000": ("fe", 100.0, 5000.0, False),
 }
-"""Solver, range, rad/s, and whether errors are stated; below 100 there are ten times as many grazes as above."""
+"""Solver, range, rad/s, and whether errors are stated; below 100 rad/s there are ten times as many grazes as above."""
 
 
 def branch(solver: str, low: float, high: float, errors: bool) -> Any:
@@ -70,7 +70,7 @@ def said(counts: dict[str, int]) -> str:
 @pytest.mark.benchmark(group="branches, 1 worker")
 def bench_branch_beside_sweep(benchmark: Any, curve_points: int, name: str) -> None:
     solver, _, high, errors = RANGES[name]
-    branch(solver, 0.98 * high, high, errors)  # compiles, or loads, what all of it calls
+    branch(solver, 0.98 * high, high, errors)  # compiles, or loads, the functions that both call
     of_sweep(2)
     swept, _ = processor_time(of_sweep, curve_points)
     spent, found = benchmark.pedantic(processor_time, (branch, *RANGES[name]), rounds=1)

@@ -15,8 +15,10 @@ import fe_lapjoint
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "helpers"))
 from population import stiffened_joint
 
-JOINTS = [stiffened_joint(7, index) for index in (0, 6, 7, 8, 9, 14)]  # they repeat, with contacts
-MARCHED = 20  # excitation periods
+JOINTS = [stiffened_joint(7, index) for index in (0, 6, 7, 8, 9, 14)]
+"""Joints whose motion repeats, with contacts."""
+MARCHED = 20
+"""Duration of the marches, excitation periods."""
 SOLVERS = {"analytic": analytic.Solver(), "FE": fe_lapjoint.Solver()}
 
 

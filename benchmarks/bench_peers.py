@@ -20,9 +20,11 @@ from lapjoint import Problem, ViscousDamping, paper_joint
 from validation.peers import opensees_script
 from validation.peers.opensees_motion import history_of
 
-DURATION = 0.02  # s
+DURATION = 0.02
+"""Duration of the motion, s."""
 ELEMENTS = 40
-USABLE = 0.03  # of the largest impulse
+USABLE = 0.03
+"""Largest error of a usable answer, relative to the largest impulse."""
 PROBLEM = paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
 
 

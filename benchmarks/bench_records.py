@@ -13,8 +13,10 @@ from lapjoint import Problem, paper_joint
 from lapjoint.problem import RecordBaseMotion
 from lapjoint.solver import Solver, Streams
 
-RATE = 4000.0  # Hz
-DURATION = 2.0  # s
+RATE = 4000.0
+"""Sampling rate of the record, Hz."""
+DURATION = 2.0
+"""Duration of the record, s."""
 SOLVERS: dict[str, Solver] = {"analytic": analytic.Solver(n_modes=20), "fe": fe_lapjoint.Solver()}
 
 

@@ -10,7 +10,8 @@ import fe_lapjoint
 from fe_lapjoint.solver import METHODS
 from lapjoint import paper_joint
 
-DURATION = 0.01  # s
+DURATION = 0.01
+"""Duration of the motion, s."""
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -15,11 +15,12 @@ from analytic.march.initial_state import started
 from lapjoint import paper_joint
 from lapjoint.problem import Problem, RandomBaseMotion
 
-DURATION = 20.0  # s, of some 5700 contacts
+DURATION = 20.0
+"""Duration of the motion, with some 5700 contacts, s."""
 MODES = 20
 PLACES = np.linspace(0.0, 2.5, 33)
 LIMIT = 120e-6
-"""s of CPU for a contact: 5e5 of them a minute and core."""
+"""Most processor time of a contact, s: 5e5 contacts a minute and core."""
 
 
 def shaken() -> Problem:

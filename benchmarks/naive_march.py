@@ -16,7 +16,8 @@ from numba import njit
 from analytic.march.switching import switch
 from analytic.march.terms import start_terms, state_from_terms
 
-SAMPLES = 20  # per period of the fastest mode
+SAMPLES = 20
+"""Samples per period of the fastest mode."""
 
 
 @njit(cache=True)

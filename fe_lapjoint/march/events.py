@@ -135,39 +135,39 @@ def _passed(rising: tuple[float, ...], level: float) -> float:
     return start + u * (u * (3 - 2 * u) * width + (1 - u) * ((1 - u) * slow - u * fast))
 
 
-Search = Callable[..., Any]
-"""A function of a search, or a function by which a search reads a motion."""
+Function = Callable[..., Any]
+"""A function of a search for switches, or a function by which the search reads a motion."""
 
 
-class Reads(NamedTuple):
+class GapReaders(NamedTuple):
     """The functions by which a search reads gap functions; `gaps` is whatever these take."""
 
-    at: Search
+    at: Function
     """(gaps, k, t): as `BoundedGaps.at`."""
-    at_step: Search
+    at_step: Function
     """(gaps, k, i): as `Gaps.at_step`."""
-    from_chord: Search
+    from_chord: Function
     """(gaps, k, t, width): as `BoundedGaps.from_chord`, for one stop and one interval."""
-    ceiling: Search
+    ceiling: Function
     """(gaps, k, t, width, h, h_end): as `BoundedGaps.ceiling`, for one interval."""
-    from_tangent: Search
+    from_tangent: Function
     """(gaps, k, t, width): as `BoundedGaps.from_tangent`."""
 
 
-class Searches(NamedTuple):
-    """A search."""
+class SwitchSearch(NamedTuple):
+    """The two functions of a search for switches."""
 
-    first_switch: Search
+    first_switch: Function
     """See `searching`."""
-    first_in: Search
+    first_in: Function
     """See `searching`."""
 
 
-def _as_it_is(function: Search) -> Search:
+def _as_it_is(function: Function) -> Function:
     return function
 
 
-def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is) -> Searches:
+def searching(reads: GapReaders, inner: Function = _as_it_is, outer: Function = _as_it_is) -> SwitchSearch:
     """The search for the first switch, made from the functions that read a motion.
 
     `inner` and `outer` decorate the functions that the search alone calls, and those that others call. Both functions
@@ -311,11 +311,11 @@ def searching(reads: Reads, inner: Search = _as_it_is, outer: Search = _as_it_is
                     return time, stop
         return math.inf, -1
 
-    return Searches(first_switch, first_in)
+    return SwitchSearch(first_switch, first_in)
 
 
 in_python = searching(
-    Reads(
+    GapReaders(
         at=lambda gaps, k, t: gaps.at(k, t),
         at_step=lambda gaps, k, i: gaps.at_step(k, i),
         from_chord=lambda gaps, k, t, width: float(gaps.from_chord(np.array([t]), width)[k, 0]),

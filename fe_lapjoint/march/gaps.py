@@ -14,7 +14,7 @@ import numpy as np
 
 from fe_lapjoint.march.compiled import above_trough, at_place, at_row
 from fe_lapjoint.march.envelope import from_chord, from_tangent
-from fe_lapjoint.march.events import BoolArray, Reads, in_python, searching
+from fe_lapjoint.march.events import BoolArray, GapReaders, in_python, searching
 from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray
 from lapjoint.compiled.by_reference import by_reference
@@ -90,7 +90,7 @@ def _from_tangent(it: FlowTerms, k: int, t: float, width: float) -> tuple[float,
     return from_tangent(it.shares[it.place_of[k]], it.fading, it.slope, it.curvature, t - it.start, width)
 
 
-in_flows = searching(Reads(_at, _at_step, _from_chord, _ceiling, _from_tangent), njit_inner(), njit_called())
+in_flows = searching(GapReaders(_at, _at_step, _from_chord, _ceiling, _from_tangent), njit_inner(), njit_called())
 """The search in `FlowTerms`."""
 
 

@@ -139,7 +139,7 @@ class March:
 
 
 @dataclass
-class _Going:
+class _LastingContact:
     """A contact that has not ended yet."""
 
     start: float
@@ -153,7 +153,7 @@ class _Going:
 
 
 @dataclass
-class _Since:
+class _PreviousWindow:
     """What a window must know of the window before it."""
 
     switch: FloatArray
@@ -193,16 +193,16 @@ def march(
     if keep and model.problem.forces.ramps is None:
         size = require_room(model, (end - start) / max(longest, window))
     step, crowd = window / SAMPLES, Crowd(model, window)
-    since = _Since(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
-    going = {k: _Going(start, True) for k in state.closed}
+    previous = _PreviousWindow(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
+    lasting = {k: _LastingContact(start, True) for k in state.closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
     t, switches, done = start, 0, 0
     while t < end or not pieces:
-        piece, y, clear = _advance(model, state, t, end, step, y, since)
+        piece, y, clear = _advance(model, state, t, end, step, y, previous)
         step = min(2 * step, max(longest, window) / SAMPLES) if clear else window / SAMPLES
         if record:
-            _account(model, piece, going, peaks)
+            _account(model, piece, lasting, peaks)
         if not keep:
             pieces.clear()
         pieces.append(piece.kept(model))
@@ -218,18 +218,18 @@ def march(
             if not record:
                 pass
             elif k in state:
-                contacts.append(_contact(model, k, going.pop(k), t, open_end=False))
+                contacts.append(_contact(model, k, lasting.pop(k), t, open_end=False))
             else:
-                going[k] = _Going(t, False)
+                lasting[k] = _LastingContact(t, False)
             new = state.toggled(k)
-            since.switch[k] = t
+            previous.switch[k] = t
             S = model.transfer(state, new)
             y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
         if progress is not None and done % 32 == 0:
             progress(t - start, end - start)
     if record:
-        contacts += [_contact(model, k, it, end, open_end=True) for k, it in going.items()]
+        contacts += [_contact(model, k, it, end, open_end=True) for k, it in lasting.items()]
     contacts.sort(key=lambda contact: (contact.start, contact.stop))
     return March(model, tuple(pieces), tuple(contacts), state, y, switches)
 
@@ -269,7 +269,7 @@ def longest_window(model: Model, state: ContactState, duration: float) -> float:
 
 
 def _advance(
-    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, since: _Since
+    model: Model, state: ContactState, t: float, end: float, step: float, y: FloatArray, previous: _PreviousWindow
 ) -> tuple[Piece, FloatArray, bool]:
     """A window of up to `SAMPLES` steps, shorter if a stop switches in it, and (q, q') at its end.
 
@@ -280,7 +280,7 @@ def _advance(
     orientation, offset = model.orientation(state), model.offset(state)
     if system.ramps is not None:
         if model.method == "exact":
-            return *_advance_on_ramps(model, state, t, end, step * SAMPLES, y, since), False
+            return *_advance_on_ramps(model, state, t, end, step * SAMPLES, y, previous), False
         end = min(end, system.ramps.ramps.until(t))  # a library method is started anew at every knot
     count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
     until = min(t + count * step, end)
@@ -292,52 +292,52 @@ def _advance(
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset, step)
-            rounding = since.rounding_until_now(gaps.rounding)
-            time, stop = gaps.first_switch(grid, h, rounding, since.switch == t)
+            rounding = previous.rounding_until_now(gaps.rounding)
+            time, stop = gaps.first_switch(grid, h, rounding, previous.switch == t)
             clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
         return Piece(state, t, until, y, flow, stop), flow.at(until), clear
-    return *_advance_by_library(model, state, t, until, y, since), False
+    return *_advance_by_library(model, state, t, until, y, previous), False
 
 
 def _advance_on_ramps(
-    model: Model, state: ContactState, t: float, end: float, window: float, y: FloatArray, since: _Since
+    model: Model, state: ContactState, t: float, end: float, window: float, y: FloatArray, previous: _PreviousWindow
 ) -> tuple[Piece, FloatArray]:
     """A piece over knots of sampled forces, up to a switch at the latest, and (q, q') at its end."""
     knots, last = model.block_at(t)
     motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
     until, y_end, switched = follow(
-        motion, min(end, last) if last > t else end, since.switch == t, since.shift, since.rounding
+        motion, min(end, last) if last > t else end, previous.switch == t, previous.shift, previous.rounding
     )
     return Piece(state, t, until, y, motion, switched), y_end
 
 
 def _advance_by_library(
-    model: Model, state: ContactState, t: float, end: float, y: FloatArray, since: _Since
+    model: Model, state: ContactState, t: float, end: float, y: FloatArray, previous: _PreviousWindow
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`, and (q, q') at its end."""
     coordinates = integrate(model, state, t, end, y)
     gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
     time, stop = math.inf, -1
     if model.sign.size:
-        time, stop = gaps.first_switch(since.rounding_until_now(gaps.rounding), since.switch == t)
+        time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding), previous.switch == t)
     until = end if stop < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
     return Piece(state, t, until, y, coordinates, stop), y_end
 
 
-def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) -> None:
+def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], peaks: bool) -> None:
     """Add a piece to the area and the depth of the contacts that last through it."""
-    if not going or piece.end <= piece.start:
+    if not lasting or piece.end <= piece.start:
         return
     system, duration = model.system(piece.state), piece.end - piece.start
     if isinstance(piece.coordinates, RampMotion):
         closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
-        for k, contact in going.items():
+        for k, contact in lasting.items():
             closed[k], deepest_[k] = True, contact.deepest
         area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
-        for k, contact in going.items():
+        for k, contact in lasting.items():
             contact.deepest = float(deepest_[k])
         peaks = False
     elif piece.flow is not None:
@@ -348,12 +348,12 @@ def _account(model: Model, piece: Piece, going: dict[int, _Going], peaks: bool) 
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
         area = system.stops @ piece.coordinates(t, 0) @ w
-    for k, contact in going.items():
+    for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
         return
     gaps = _gaps(model, piece)
-    for k, contact in going.items():
+    for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
 
@@ -367,7 +367,7 @@ def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
     return SolutionGaps(stops, piece.coordinates, piece.start, piece.end, orientation, offset)
 
 
-def _contact(model: Model, k: int, it: _Going, end: float, *, open_end: bool) -> Contact:
+def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end: bool) -> Contact:
     stiffness = float(model.stiffness[k])
     return Contact(
         stop=k,

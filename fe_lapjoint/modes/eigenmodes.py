@@ -91,7 +91,7 @@ def _eigenmodes(
     r = rigid.shape[1]
     joined = _joined(assembly, M, assembly.stiffness(state), bool(r))
     vectors = _orthonormal(np.concatenate([rigid, joined[:, r:]], axis=1), M)
-    vectors = _orthonormal(_turned(assembly, rows, k, vectors, r), M)
+    vectors = _orthonormal(_unmixed(assembly, rows, k, vectors, r), M)
     square = _rayleigh(assembly, rows, k, vectors)
     if r:
         square[:r], vectors[:, :r] = _soft(assembly, rows, k, vectors, square, r)
@@ -104,7 +104,7 @@ def _eigenmodes(
     return omega, vectors
 
 
-def _turned(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray, r: int) -> FloatArray:
+def _unmixed(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray, r: int) -> FloatArray:
     """Modes without the part of other modes that rounding of the stiffness has mixed in; the `r` soft modes stay.
 
     Curvatures lose digits as h^-2 where the stiffness loses them as h^-4: with 464 elements of a cantilever, others

@@ -10,12 +10,13 @@ import math
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 from closed_form import answer
 from scipy.optimize import minimize_scalar
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, NoDamping, Problem, Stop, Support, ViscousDamping
+from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, Stop, ViscousDamping
 from lapjoint.problem import FloatArray
 
 Damping = NoDamping | ViscousDamping | ModalDamping
@@ -33,8 +34,8 @@ DAMPINGS: dict[str, tuple[Damping, float]] = {
 def cantilever(damping: Damping, gap: float) -> Problem:
     """A cantilever of EI = m = L = 1 with one stop, which moves from rest."""
     return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=(Stop(x=PLACE, side="top", gap=gap, stiffness=50.0),),
         damping=damping,
         base_motion=BaseMotion(amplitude=1e-3, angular_frequency=OMEGA),

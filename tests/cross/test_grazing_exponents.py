@@ -10,10 +10,11 @@ import math
 from typing import Any
 
 import pytest
+from beams import CLAMP, UNIT
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support, ViscousDamping
+from lapjoint import BaseMotion, ModalDamping, Problem, Stop, ViscousDamping
 from lapjoint.answers import SectionPoint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import find_orbit
@@ -25,8 +26,8 @@ VISCOUS, MODAL = ViscousDamping(coefficient=0.8), ModalDamping(ratio=0.1)
 def cantilever(damping: ViscousDamping | ModalDamping, amplitude: float, gap: float) -> Problem:
     """A cantilever of EI = m = L = 1 with a stop above its tip."""
     return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=(Stop(x=1.0, side="top", gap=gap, stiffness=50.0),),
         damping=damping,
         base_motion=BaseMotion(amplitude=amplitude, angular_frequency=5.0),

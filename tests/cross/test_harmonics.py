@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from closed_form import answer
 from population import harmonic_joint, joint
+from refining import AnySolver
 
 import analytic
 import fe_lapjoint
@@ -16,7 +17,6 @@ from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.override import assign
 from lapjoint.problem.symmetry import mirror_twins
 
-AnySolver = analytic.Solver | fe_lapjoint.Solver
 SEED = 5
 WITHOUT_STOPS = range(12)
 WITH_STOPS = (0, 4, 8, 10)  # cantilevers with one stop, whose motions repeat soon, the last one last

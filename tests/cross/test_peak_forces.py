@@ -14,11 +14,12 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 from population import stepped_joint
 
 import analytic
 import fe_lapjoint
-from lapjoint import Beam, ModalDamping, Problem, StepLoad, Stop, Support
+from lapjoint import ModalDamping, Problem, StepLoad, Stop
 from lapjoint.problem import FloatArray
 
 ANALYTIC, ELEMENTS = analytic.Solver(), fe_lapjoint.Solver()
@@ -54,8 +55,8 @@ def check(found: Sequence[FloatArray]) -> None:
 
 def test_the_peak_force_of_a_stiff_stop_is_as_far_off_as_its_error_says() -> None:
     problem = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=(Stop(name="tip", x=1.0, side="top", gap=0.01, stiffness=1e6),),
         damping=ModalDamping(ratio=0.01),
         point_loads=(StepLoad(x=0.6, force=1.0),),

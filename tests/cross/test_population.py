@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import pytest
 from population import harmonic_joint, joint, response_of
+from refining import AnySolver
 from witness import Judgement, reached_from_rest, testify
 
 import analytic
@@ -27,7 +28,6 @@ HARMONICS = 120  # problems driven by harmonics
 MOST_UNDECIDED = 0.05
 MOST_ELSEWHERE = 0.02
 
-AnySolver = analytic.Solver | fe_lapjoint.Solver
 Judged = tuple[int, Judgement, str, bool]
 
 

@@ -6,18 +6,17 @@ import math
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 from scipy.integrate import DOP853, DenseOutput
 from scipy.optimize import brentq
 from secular import Wave, tip_from_rest, wave_numbers
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, NoDamping, Problem, SineLoad, Stop, Support
+from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, SineLoad, Stop
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import FloatArray
 
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 OUT_OF_REACH = Stop(x=1.0, side="top", gap=10.0, stiffness=1.0)
 HEAD = Wave(1e-3, 0.0, 3.516015268500338, 0.0)
 DETUNED = (0.0, 1e-14, 1e-12, 1e-11, 1e-10, 9e-10, 1.1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3)
@@ -29,7 +28,7 @@ def problem_of(waves: list[Wave], ratio: float, stop: Stop = OUT_OF_REACH) -> Pr
     """The first wave moves the base, each of the others is a load at the tip."""
     first = waves[0]
     return Problem(
-        beam=BEAM,
+        beam=UNIT,
         supports=(CLAMP,),
         stops=(stop,),
         damping=ModalDamping(ratio=ratio) if ratio else NoDamping(),

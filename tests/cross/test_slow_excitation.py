@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from beams import UNIT
 
 import analytic
 import fe_lapjoint
@@ -28,7 +29,7 @@ def slow_joint(seed: int) -> tuple[Problem, bool]:
     gap = amplitude * (rng.uniform(0.2, 0.5) if reaches else rng.uniform(3.0, 1e3))
     sides = ("top", "bottom") if rng.random() < 0.5 else ("top",)
     problem = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        beam=UNIT,
         supports=PINNED,
         stops=tuple(Stop(x=0.5, side=side, gap=gap, stiffness=10 ** rng.uniform(0.0, 3.0)) for side in sides),
         damping=dampings[int(rng.integers(3))],

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from beams import UNIT
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, NoDamping, Problem, Stop, Support
+from lapjoint import BaseMotion, NoDamping, Problem, Stop, Support
 from lapjoint.problem import FloatArray
 
 SOLVERS = {"analytic": analytic.Solver(n_modes=8), "fe": fe_lapjoint.Solver(elements=8)}
@@ -29,7 +30,7 @@ def beam_on(springs: tuple[float, float], kind: str) -> Problem:
         "stiff pin": (Support(x=0.0, translational=1e4, torsional=a),),
     }
     return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        beam=UNIT,
         supports=supports[kind],
         stops=(
             Stop(x=1.0, side="top", gap=1e-3, stiffness=500.0),

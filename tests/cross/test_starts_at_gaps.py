@@ -6,6 +6,8 @@ import itertools
 import math
 
 import pytest
+from beams import UNIT
+from refining import AnySolver
 from rigid_starts import ORDERS, start
 
 import analytic
@@ -23,9 +25,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::lapjoint.errors.RecordWarning")
 
 
 @solvers
-def test_a_bar_that_a_sine_presses_on_a_stop_without_gap_touches_it_from_the_start(
-    solver: analytic.Solver | fe_lapjoint.Solver,
-) -> None:
+def test_a_bar_that_a_sine_presses_on_a_stop_without_gap_touches_it_from_the_start(solver: AnySolver) -> None:
     """z begins as t^3; end and impulse of the contact by scipy's DOP853 with a tolerance of 1e-12."""
     problem = Problem(
         beam=RIGID,
@@ -42,9 +42,7 @@ def test_a_bar_that_a_sine_presses_on_a_stop_without_gap_touches_it_from_the_sta
 
 @solvers
 @pytest.mark.parametrize("gap", [0.0, 0.3])
-def test_a_free_bar_that_is_pushed_ever_harder_from_its_gap_has_one_contact(
-    solver: analytic.Solver | fe_lapjoint.Solver, gap: float
-) -> None:
+def test_a_free_bar_that_is_pushed_ever_harder_from_its_gap_has_one_contact(solver: AnySolver, gap: float) -> None:
     """z = gap + t^3 / 6 until the spring answers: u'' = t - 100 u, whose impulse is T^2 / 2 - (1 - cos 10 T) / 100."""
     (contact,) = solver.simulate(pushed(gap, (0.0, -2.0)), 2.0).contacts
     assert (contact.start, contact.start_error, contact.open_end) == (0.0, 0.0, True)
@@ -54,9 +52,7 @@ def test_a_free_bar_that_is_pushed_ever_harder_from_its_gap_has_one_contact(
 
 
 @solvers
-def test_a_bar_that_rests_at_its_gap_or_leaves_it_has_no_contact(
-    solver: analytic.Solver | fe_lapjoint.Solver,
-) -> None:
+def test_a_bar_that_rests_at_its_gap_or_leaves_it_has_no_contact(solver: AnySolver) -> None:
     for acceleration in ((0.0, 0.0), (0.0, 2.0), (2.0, 2.0)):
         assert solver.simulate(pushed(0.3, acceleration), 2.0, errors=False).contacts == ()
 
@@ -65,11 +61,11 @@ def test_a_bar_that_rests_at_its_gap_or_leaves_it_has_no_contact(
 @pytest.mark.parametrize("quarters", range(4))
 @pytest.mark.parametrize("x", [0.23, 0.5])
 def test_a_beam_that_bends_touches_a_stop_without_gap_from_the_start_or_not_at_all_at_first(
-    solver: analytic.Solver | fe_lapjoint.Solver, x: float, quarters: int
+    solver: AnySolver, x: float, quarters: int
 ) -> None:
     """The force of the base begins as t, 1, -t and -1 where its phase is none to three quarter turns."""
     problem = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        beam=UNIT,
         supports=(Support(x=0.0, translational=math.inf), Support(x=1.0, translational=math.inf)),
         stops=(Stop(x=x, side="top", gap=0.0, stiffness=30.0),),
         damping=ModalDamping(ratio=0.01),
@@ -85,9 +81,7 @@ def test_a_beam_that_bends_touches_a_stop_without_gap_from_the_start_or_not_at_a
 
 @solvers
 @pytest.mark.parametrize(("order", "pressed"), KINDS)
-def test_bars_that_start_at_a_stop_move_as_their_power_series(
-    solver: analytic.Solver | fe_lapjoint.Solver, order: int, pressed: bool
-) -> None:
+def test_bars_that_start_at_a_stop_move_as_their_power_series(solver: AnySolver, order: int, pressed: bool) -> None:
     _agrees(solver, 1, order, pressed)
 
 
@@ -95,7 +89,7 @@ def test_bars_that_start_at_a_stop_move_as_their_power_series(
 @solvers
 @pytest.mark.parametrize(("order", "pressed"), KINDS)
 def test_many_bars_that_start_at_a_stop_move_as_their_power_series(
-    solver: analytic.Solver | fe_lapjoint.Solver, order: int, pressed: bool
+    solver: AnySolver, order: int, pressed: bool
 ) -> None:
     for seed in range(2, 14):
         _agrees(solver, seed, order, pressed)
@@ -112,7 +106,7 @@ def pushed(gap: float, acceleration: tuple[float, float]) -> Problem:
     )
 
 
-def _agrees(solver: analytic.Solver | fe_lapjoint.Solver, seed: int, order: int, pressed: bool) -> None:
+def _agrees(solver: AnySolver, seed: int, order: int, pressed: bool) -> None:
     """The contacts are those of the rigid bar; the elastic bar, of EI from 3e5 N m2 on, is off by some 1e-5."""
     begun = start(seed, order, pressed)
     right, found = begun.contacts(0.5), solver.simulate(begun.problem(), 0.5, errors=False).contacts

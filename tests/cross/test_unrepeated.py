@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from beams import CLAMP
 from witness import testify
 
 import analytic
@@ -50,7 +51,7 @@ WEAK_CHAOS = 0.464  # 1/s, +- 0.004: over 64 000 periods with 10, 20 and 40 mode
 
 CANTILEVER = Problem(
     beam=Beam(length=1.0, bending_stiffness=450.0, mass_per_length=2.4),
-    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+    supports=(CLAMP,),
     stops=(Stop(name="tip", x=1.0, side="top", gap=0.0, stiffness=1e5),),
     damping=ModalDamping(ratio=0.01),
     base_motion=BaseMotion(amplitude=2e-3, angular_frequency=130.0),

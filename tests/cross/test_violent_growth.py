@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from beams import CLAMP
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, Outcome, Problem, Stop, Support, ViscousDamping
+from lapjoint import BaseMotion, Beam, Outcome, Problem, Stop, ViscousDamping
 from lapjoint.orbits.period_map import Follows
 
 BEAM = Beam(length=1.0, bending_stiffness=350.0, mass_per_length=1.56)
@@ -22,7 +23,7 @@ SQUARED = 355.0  # natural logarithm of the root of the largest double number
 def test_the_growth_of_a_deviation_is_a_number_whatever_it_is(name: str) -> None:
     problem = Problem(
         beam=BEAM,
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        supports=(CLAMP,),
         stops=(
             Stop(x=1.0, side="top", gap=1e-3, stiffness=1e4),
             Stop(x=0.6, side="bottom", gap=0.0, stiffness=1e9),
@@ -42,7 +43,7 @@ def test_the_growth_of_a_deviation_is_a_number_whatever_it_is(name: str) -> None
 
 CHATTERING = Problem(
     beam=Beam(length=1.0, bending_stiffness=350.0, mass_per_length=1.56),
-    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+    supports=(CLAMP,),
     stops=(
         Stop(x=1.0, side="top", gap=1e-3, stiffness=1e4),
         Stop(x=0.6, side="bottom", gap=0.0, stiffness=1e12),

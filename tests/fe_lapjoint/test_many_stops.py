@@ -6,17 +6,18 @@ import math
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, InputError, ModalDamping, Problem, Stop, Support, contact_states
+from lapjoint import BaseMotion, InputError, ModalDamping, Problem, Stop, contact_states
 
 
 def test_sixteen_stops_of_65536_states_run() -> None:
     places = np.linspace(0.3, 1.0, 8)
     stops = tuple(Stop(x=float(x), side=s, gap=1e-4 * x, stiffness=200.0) for x in places for s in ("top", "bottom"))
     problem = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=stops,
         damping=ModalDamping(ratio=0.1),
         base_motion=BaseMotion(amplitude=1e-3, angular_frequency=8.0),

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import mpmath as mp
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 from population import joints, recorded_joint
 from scipy.linalg import eigh, expm
 
@@ -19,7 +20,6 @@ from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import System
 from lapjoint import (
     FREE,
-    Beam,
     ContactState,
     InputError,
     ModalDamping,
@@ -33,8 +33,6 @@ from lapjoint import (
 from lapjoint.orbits.arcs import ContactSequence, HasArcs
 from lapjoint.problem import BaseHarmonic, FloatArray, HarmonicsBaseMotion, NoDamping
 
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 DAMPINGS = (
     ModalDamping(ratio=0.03),
     ModalDamping(ratio=(0.01, 0.2, 1.0, 3.0, 0.05)),  # one is critical, one is overdamped
@@ -61,7 +59,7 @@ def joint(rng: np.random.Generator, number: int) -> Problem:
         BaseHarmonic(multiple=n, amplitude=1e-3 / n**2, phase=rng.uniform(0, 6)) for n in range(1, rng.integers(2, 5))
     )
     return Problem(
-        beam=BEAM,
+        beam=UNIT,
         supports=supports,
         stops=stops,
         damping=DAMPINGS[number % len(DAMPINGS)] if number % 4 else DAMPINGS[0],

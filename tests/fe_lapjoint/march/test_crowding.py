@@ -7,31 +7,19 @@ import re
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 
 import fe_lapjoint
 from fe_lapjoint.march import crowding
 from fe_lapjoint.march.crowding import bounce_ratio
-from lapjoint import (
-    BaseMotion,
-    Beam,
-    ModalDamping,
-    NoDamping,
-    Problem,
-    SolverError,
-    StepLoad,
-    Stop,
-    Support,
-    ViscousDamping,
-)
-
-FIXED = Support(x=0.0, translational=math.inf, torsional=math.inf)
+from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, SolverError, StepLoad, Stop, ViscousDamping
 
 
 def pressed(stiffness: float) -> Problem:
     """A cantilever, EI = m = L = 1, that a load presses against a stop at its tip."""
     return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(FIXED,),
+        beam=UNIT,
+        supports=(CLAMP,),
         stops=(Stop(name="tip", x=1.0, side="top", gap=1e-4, stiffness=stiffness),),
         damping=ModalDamping(ratio=0.01),
         point_loads=(StepLoad(x=0.7, force=1.0),),
@@ -85,7 +73,7 @@ def test_contacts_that_the_mesh_follows_may_be_many(monkeypatch: pytest.MonkeyPa
 def test_a_motion_that_modal_damping_holds_at_a_gap_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(crowding, "MOST_SWITCHES", 100)
     problem = Problem(  # no support: the load throws the beam's end against the stop
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        beam=UNIT,
         stops=(Stop(name="end", x=1.0, side="top", gap=0.0, stiffness=4e4),),
         damping=ModalDamping(ratio=5.0),
         point_loads=(StepLoad(x=0.77, force=1.0),),

@@ -7,6 +7,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 
 import fe_lapjoint
 from fe_lapjoint.march.gaps import FlowGaps
@@ -30,14 +31,12 @@ from lapjoint import (
 )
 from lapjoint.problem import Damping, FloatArray
 
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 OMEGA = 8.0
 
 
 def shaken(*stops: Stop, phase: float = 0.0, damping: Damping | None = None) -> Problem:
     return Problem(
-        beam=BEAM,
+        beam=UNIT,
         supports=(CLAMP,),
         stops=stops,
         damping=ModalDamping(ratio=0.02) if damping is None else damping,

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from beams import CLAMP
 from scipy.integrate import solve_ivp
 
 import fe_lapjoint
@@ -29,8 +30,6 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
-
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 
 
 def kinetic_energy(history: History, t: float, elements: int) -> float:

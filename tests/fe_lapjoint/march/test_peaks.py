@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 
 import fe_lapjoint
 from fe_lapjoint.march.peaks import deepest
-from lapjoint import BaseMotion, Beam, History, ModalDamping, Problem, Stop, Support, paper_joint
+from lapjoint import BaseMotion, History, ModalDamping, Problem, Stop, paper_joint
 from lapjoint.answers import Contact
 from lapjoint.problem import FloatArray
-
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 
 
 def sampled_peak(history: History, contact: Contact) -> float:
@@ -40,7 +37,7 @@ def random_problem(rng: np.random.Generator) -> Problem:
         for side in rng.choice(["top", "bottom"], size=rng.integers(1, 4))
     )
     return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
+        beam=UNIT,
         supports=(CLAMP,),
         stops=stops,
         damping=ModalDamping(ratio=float(rng.choice([0.0, 0.01, 0.3, 1.0, 3.0]))),

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from beams import CLAMP
 from scipy.integrate import fixed_quad
 from scipy.linalg import expm
 
@@ -31,7 +32,6 @@ from lapjoint import (
 )
 
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 SHAKEN = Problem(
     beam=BEAM,
     supports=(CLAMP,),

@@ -7,24 +7,23 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from beams import CLAMP, UNIT
 from click.testing import CliRunner
 
 import fe_lapjoint
 from fe_lapjoint.march.system import build_system
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes
-from lapjoint import FREE, Beam, ContactState, InputError, Problem, StepLoad, Stop, Support
+from lapjoint import FREE, ContactState, InputError, Problem, StepLoad, Stop, Support
 from lapjoint.cli.main import main
 from lapjoint.problem import write_problem
 
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
-CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 SOLVER = fe_lapjoint.Solver(elements=20)
 
 
 def with_stops(*places: float, stiffness: float) -> Problem:
     stops = tuple(Stop(x=x, side="top", gap=1e-3, stiffness=stiffness) for x in places)
-    return Problem(beam=BEAM, supports=(CLAMP,), stops=stops)
+    return Problem(beam=UNIT, supports=(CLAMP,), stops=stops)
 
 
 def frequencies(problem: Problem) -> np.ndarray:
@@ -73,11 +72,11 @@ def test_a_load_beside_a_stop_acts_where_it_is() -> None:
 )
 def test_what_elements_cannot_tell_apart_is_refused_by_name(supports: tuple[Support, ...], named: str) -> None:
     with pytest.raises(InputError, match=named + ".*allowed are the same place, or at least 0.0001 m"):
-        frequencies(Problem(beam=BEAM, supports=supports))
+        frequencies(Problem(beam=UNIT, supports=supports))
 
 
 def test_the_command_line_refuses_it_with_status_two(tmp_path: Path) -> None:
-    problem = Problem(beam=BEAM, supports=(CLAMP, Support(x=1e-6, translational=math.inf)))
+    problem = Problem(beam=UNIT, supports=(CLAMP, Support(x=1e-6, translational=math.inf)))
     write_problem(problem, tmp_path / "near.toml")
     result = CliRunner().invoke(main, ["modes", str(tmp_path / "near.toml"), "--solver", "fe"])
     assert result.exit_code == 2

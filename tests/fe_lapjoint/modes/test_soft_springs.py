@@ -8,12 +8,12 @@ from itertools import product
 import mpmath as mp
 import numpy as np
 import pytest
+from beams import UNIT
 
 import fe_lapjoint
-from lapjoint import FREE, Beam, Problem, Support
+from lapjoint import FREE, Problem, Support
 
 KAPPA = (1e-12, 1e-6, 1e-3, 3e-2, 1.0, 1e6, math.inf)
-BEAM = Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0)
 Ends = tuple[tuple[float, float], tuple[float, float]]
 """Translational and torsional stiffness, over EI / L^3 and EI / L, of the springs at both ends."""
 
@@ -63,7 +63,7 @@ def springs(kappa: float) -> dict[str, Ends]:
 def test_frequencies_keep_their_digits_however_soft_the_springs(kappa: float, elements: int) -> None:
     for name, ends in springs(kappa).items():
         supports = tuple(Support(x=float(x), translational=k, torsional=kt) for x, (k, kt) in enumerate(ends))
-        problem = Problem(beam=BEAM, supports=supports)
+        problem = Problem(beam=UNIT, supports=supports)
         for omega in fe_lapjoint.Solver(elements=elements).modes(problem, FREE, 2).angular_frequencies:
             if omega == 0.0:
                 assert name in ("a pin and a spring", "one end"), name
@@ -75,7 +75,7 @@ def test_frequencies_keep_their_digits_however_soft_the_springs(kappa: float, el
 
 
 def test_shapes_on_soft_springs_are_orthogonal_and_rigid_ones_straight() -> None:
-    problem = Problem(beam=BEAM, supports=(Support(x=0.0, translational=1e-9), Support(x=1.0, translational=2e-9)))
+    problem = Problem(beam=UNIT, supports=(Support(x=0.0, translational=1e-9), Support(x=1.0, translational=2e-9)))
     shapes = fe_lapjoint.Solver(elements=100).modes(problem, FREE, 4).shapes
     node, weight = np.polynomial.legendre.leggauss(4)
     h = 0.01
