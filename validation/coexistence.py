@@ -30,18 +30,7 @@ class Motion:
 
 
 def same_motion(one: SteadyState, other: SteadyState) -> bool:
-    """Whether two steady states are one motion, as far as class, period and impulses tell.
-
-    Parameters
-    ----------
-    one, other : SteadyState
-        Of one problem, or of one and the same from another initial state.
-
-    Returns
-    -------
-    bool
-        Impulses agree to `SAME` of the largest; a mirror image counts as another motion.
-    """
+    """Whether two steady states agree in class, period and, to `SAME` of the largest, impulses; mirrors differ."""
     if (one.outcome is Outcome.NO_CONTACT) != (other.outcome is Outcome.NO_CONTACT):
         return False
     if one.period_multiple != other.period_multiple:
@@ -53,20 +42,7 @@ def same_motion(one: SteadyState, other: SteadyState) -> bool:
 
 
 def started_from(problem: Problem, found: SteadyState) -> Problem:
-    """The problem with the section point of a motion as its initial state.
-
-    Parameters
-    ----------
-    problem : Problem
-        What both solvers solve.
-    found : SteadyState
-        By any solver.
-
-    Returns
-    -------
-    Problem
-        The same, but for the initial state.
-    """
+    """The problem with the section point of a motion as its initial state."""
     history = found.history
 
     def displacement(x: FloatArray) -> FloatArray:
@@ -79,20 +55,7 @@ def started_from(problem: Problem, found: SteadyState) -> Problem:
 
 
 def why_they_differ(problem: Problem, one: Motion, other: Motion) -> str:
-    """Why two solvers end on different motions, in a sentence; empty if nothing was found that explains it.
-
-    Parameters
-    ----------
-    problem : Problem
-        What both solvers solve.
-    one, other : Motion
-        What each has found, from the same initial state.
-
-    Returns
-    -------
-    str
-        Which motions exist side by side, or which multiplier is nearly critical.
-    """
+    """Why two solvers end on different motions, in a sentence; empty if nothing was found that explains it."""
     exists = [_exists(problem, here, there) for here, there in ((one, other), (other, one))]
     if all(exists):
         return f"Both motions exist in both solvers, side by side: {_named(one)}; {_named(other)}."

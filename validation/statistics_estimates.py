@@ -11,45 +11,13 @@ from validation.verdict import Estimate
 
 
 def joint_factor(count: int, level: float) -> float:
-    """By how much an interval is wider if `count` of them are to hold together, as often as each alone (Bonferroni).
-
-    Parameters
-    ----------
-    count : int
-        Number of intervals.
-    level : float
-        Probability with which each alone holds its value.
-
-    Returns
-    -------
-    float
-        1 or more.
-    """
+    """By how much an interval is wider if `count` of them are to hold together, as often as each alone (Bonferroni)."""
     each = NormalDist()
     return each.inv_cdf(1 - (1 - level) / (2 * count)) / each.inv_cdf((1 + level) / 2)
 
 
 def estimate_of(found: xr.Dataset, variable: str, factor: float, smeared: float, **where: object) -> Estimate:
-    """A value of a dataset of statistics, with its interval as uncertainty.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        From `lapjoint.statistics`.
-    variable : str
-        Its variable.
-    factor : float
-        By which intervals are widened, to hold together.
-    smeared : float
-        Relative uncertainty besides, of the excitation.
-    **where : object
-        Which place or stop, as `xarray.DataArray.sel` or ``isel`` takes them.
-
-    Returns
-    -------
-    Estimate
-        The value, and half the width of its interval.
-    """
+    """A value of a dataset of statistics, with its interval as uncertainty."""
     value = found[variable].sel(where, method="nearest") if "x" in where else found[variable].isel(where)
     both = found[f"{variable}_interval"]
     both = both.sel(where, method="nearest") if "x" in where else both.isel(where)

@@ -104,18 +104,7 @@ BIRTHS = (Birth("symmetry_breaking", BETWEEN), Birth("neimark-sacker", ON_SPRING
 
 
 def over_births(say: Say) -> Iterator[Check | Criterion]:
-    """Both bars at two bending stiffnesses, against closed form.
-
-    Parameters
-    ----------
-    say : callable
-        Takes a line of progress.
-
-    Yields
-    ------
-    Check or Criterion
-        What is compared.
-    """
+    """Both bars at two bending stiffnesses, against closed form."""
     for birth in BIRTHS:
         yield from _over(birth, say)
 

@@ -69,18 +69,7 @@ def gaps_of(intervals: list[tuple[float, float]], low: float, high: float) -> li
 
 
 def over_ends(say: Say) -> Iterator[Check | Criterion]:
-    """The end of a branch by both solvers, and the joint of narrow gaps from both ends of the range.
-
-    Parameters
-    ----------
-    say : callable
-        Takes a line of progress.
-
-    Yields
-    ------
-    Check or Criterion
-        What is judged.
-    """
+    """The end of a branch by both solvers, and the joint of narrow gaps from both ends of the range."""
     yield from _end(say)
     say("lightly made contacts")
     low, high = LIGHTLY

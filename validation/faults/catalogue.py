@@ -15,7 +15,7 @@ FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND, *RANDOM, *SUMMARIES, *BRAN
 CONTROL = Fault(
     "control",
     "no fault",
-    "fe_lapjoint.modes.assembly",
+    "fe_lapjoint:Assembly._matrices",
     "Two factors change places, and nothing is other than it was: this must not be caught.",
     old="f[here] += h * one * scale",
     new="f[here] += one * h * scale",

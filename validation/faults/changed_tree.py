@@ -10,48 +10,44 @@ import ast
 import shutil
 from collections.abc import Iterator
 from compileall import compile_dir
+from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from validation.faults.syntax import definitions
+
 PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation")
 
 
+@dataclass(frozen=True)
+class Changed:
+    """A module and its changed source; no module stands for the sound packages."""
+
+    label: str
+    """Name of the change."""
+    module: str = ""
+    """Full name."""
+    source: str = ""
+
+
 def module_file(tree: Path, module: str) -> Path:
-    """The file of a module.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-    module : str
-        Its full name.
-
-    Returns
-    -------
-    Path
-        The file.
-    """
+    """The file of a module, given the folder that holds the packages."""
     path = tree.joinpath(*module.split("."))
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 def source_of(tree: Path, module: str) -> str:
-    """The source of a module.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-    module : str
-        Its full name.
-
-    Returns
-    -------
-    str
-        Its text.
-    """
+    """The source of a module."""
     return module_file(tree, module).read_text()
+
+
+def sources_below(tree: Path, name: str) -> Iterator[tuple[str, str]]:
+    """Name and source of a module, or of each module of a package."""
+    path = tree.joinpath(*name.split("."))
+    for file in sorted(path.rglob("*.py")) if path.is_dir() else [path.with_suffix(".py")]:
+        if file.is_file():
+            yield ".".join(file.relative_to(tree).with_suffix("").parts).removesuffix(".__init__"), file.read_text()
 
 
 def installed_tree() -> Path:
@@ -63,76 +59,30 @@ def installed_tree() -> Path:
 
 
 def copied_tree(tree: Path, target: Path) -> None:
-    """Copy the packages, times of files included, so that what was compiled from them stays valid; compile the rest.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds them.
-    target : Path
-        A folder that takes the copy.
-    """
+    """Copy the packages with the times of their files, so that compiled code stays valid, and compile the rest."""
     for package in PACKAGES:
         shutil.copytree(tree / package, target / package)
         compile_dir(target / package, quiet=2)
 
 
 def change(tree: Path, module: str, source: str) -> bool:
-    """Change a module of a copy.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the copy.
-    module : str
-        The module, by its full name.
-    source : str
-        Its new source.
-
-    Returns
-    -------
-    bool
-        Whether any compiled function depends on it.
-    """
+    """Change the source of a module of a copy; whether any compiled function depends on the change."""
     file = module_file(tree, module)
     names = changed_names(file.read_text(), source)
     file.write_text(source)
-    for kept in (file.parent / "__pycache__").glob(f"{file.stem}.*.pyc"):
-        kept.unlink()
+    for bytecode in (file.parent / "__pycache__").glob(f"{file.stem}.*.pyc"):
+        bytecode.unlink()
     return "njit" in source or _compiled_from(tree, names)
 
 
 def changed_names(old: str, new: str) -> set[str]:
-    """What a change of a module's source changes, by its name at the top of the module.
-
-    Parameters
-    ----------
-    old, new : str
-        Source before and after.
-
-    Returns
-    -------
-    set of str
-        Functions, classes and constants that differ.
-    """
-    before, after = (dict(_definitions(ast.parse(source))) for source in (old, new))
+    """Functions, classes and constants of a module that differ between two sources."""
+    before, after = (dict(definitions(source)) for source in (old, new))
     return {name for name in before.keys() | after.keys() if _written(before, name) != _written(after, name)}
 
 
 def _written(definitions: dict[str, ast.stmt], name: str) -> str:
     return ast.dump(definitions[name]) if name in definitions else ""
-
-
-def _definitions(tree: ast.Module) -> Iterator[tuple[str, ast.stmt]]:
-    for node in tree.body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            yield node.name, node
-        elif isinstance(node, ast.Assign | ast.AnnAssign):
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            for target in targets:
-                for part in ast.walk(target):
-                    if isinstance(part, ast.Name):
-                        yield part.id, node
 
 
 def _compiled_from(tree: Path, names: set[str]) -> bool:
@@ -151,7 +101,7 @@ def _compiled_from(tree: Path, names: set[str]) -> bool:
 def _mentioning(source: str) -> tuple[tuple[str, bool, frozenset[str]], ...]:
     """Compiled functions and constants of a module: the name, whether it is compiled, and the names it mentions."""
     found = []
-    for name, node in _definitions(ast.parse(source)):
+    for name, node in definitions(source):
         compiled = isinstance(node, ast.FunctionDef) and any("njit" in ast.dump(d) for d in node.decorator_list)
         if compiled or not isinstance(node, ast.FunctionDef | ast.ClassDef):
             found.append((name, compiled, _mentioned(node)))

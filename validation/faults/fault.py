@@ -1,8 +1,12 @@
-"""What a fault is: a small change of the source of one module, and a sentence about it."""
+"""What a fault is: a small change of the code of one function or constant, and a sentence about it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
+
+from validation.faults.changed_tree import Changed, sources_below
+from validation.faults.syntax import defined, matches
 
 PLACES = {"analytic": "analytic", "fe_lapjoint": "FE", "lapjoint": "ground"}
 """The packages that faults are put in, and what each is called in tables."""
@@ -10,45 +14,39 @@ PLACES = {"analytic": "analytic", "fe_lapjoint": "FE", "lapjoint": "ground"}
 
 @dataclass(frozen=True)
 class Fault:
-    """One mistake in one module."""
+    """One mistake in one function or constant."""
 
     name: str
     """A few words with hyphens, unique."""
     kind: str
-    """Which kind of mistake it is, as programs have it, in a few words."""
-    module: str
-    """The module, by its full name."""
+    """Which kind of mistake programs make, in a few words."""
+    where: str
+    """A package or module, a colon, and the qualified name of a definition, which may be in any file below it."""
     what: str
     """What the program then does, in a sentence."""
     old: str
-    """A piece of the module's source that occurs there once."""
+    """An expression, or statements, that stand once in the definition; `validation.faults.syntax` says what fits."""
     new: str
-    """What stands in its place."""
+    """What stands in their place."""
 
     @property
     def place(self) -> str:
-        """Where it is: one of the solvers, or the ground that they share."""
-        return PLACES[self.module.partition(".")[0]]
+        """One of the solvers, or the ground that both share."""
+        return PLACES[self.where.partition(":")[0].partition(".")[0]]
 
-    def put_into(self, source: str) -> str:
-        """The source of the module with the fault in it.
-
-        Parameters
-        ----------
-        source : str
-            The sound source.
-
-        Returns
-        -------
-        str
-            The same, with `old` replaced by `new`.
-
-        Raises
-        ------
-        ValueError
-            If `old` does not occur exactly once.
-        """
-        count = source.count(self.old)
-        if count != 1:
-            raise ValueError(f"fault {self.name}: its text occurs {count} times in {self.module}, and must once")
-        return source.replace(self.old, self.new)
+    def put_into(self, tree: Path) -> Changed:
+        """The module that has the fault, and its source with the fault in it."""
+        below, _, name = self.where.partition(":")
+        homes = [
+            (module, source, node) for module, source in sources_below(tree, below) for node in defined(name, source)
+        ]
+        if not homes:
+            raise ValueError(f"fault {self.name}: {below} defines no `{name}`; say in `where` what it is called now")
+        found = [(module, source, match) for module, source, node in homes for match in matches(self.old, node)]
+        if len(found) != 1:
+            modules = ", ".join(module for module, _, _ in found or homes)
+            raise ValueError(
+                f"fault {self.name}: `{self.old}` stands {len(found)} times in `{name}` of {modules}, and must once"
+            )
+        ((module, source, match),) = found
+        return Changed(self.name, module, match.replaced(source, self.new))

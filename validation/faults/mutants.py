@@ -24,11 +24,11 @@ from typing import Any
 from rich.console import Console
 
 from lapjoint.files.writing import write_file
-from validation.faults.changed_tree import PACKAGES, installed_tree, source_of
+from validation.faults.changed_tree import PACKAGES, Changed, installed_tree, source_of
 from validation.faults.mutation import Mutant, drawn
 from validation.faults.record import recorded
 from validation.faults.run import LEVEL, seen_line, sound, sound_tree
-from validation.faults.running import Changed, Kept, Order, Trials, plain, seen_from
+from validation.faults.running import Order, TrialJournal, Trials, plain, seen_from
 from validation.faults.trial import Result, Seen
 from validation.suite import modules_of
 
@@ -154,18 +154,7 @@ def recorded_run() -> Run:
 
 
 def commit_of(tree: Path) -> str:
-    """The commit that a tree of packages is; empty if it is none, or if its source was changed since.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    str
-        Its first digits.
-    """
+    """The commit that a tree of packages is; empty if it is none, or if its source was changed since."""
     source = [f"{package}/*.{ending}" for package in PACKAGES for ending in ("py", "toml")]
     status = _asked(tree, "status", "--porcelain", "--", *source)
     return "" if status is None or status else _asked(tree, "rev-parse", "--short=7", "HEAD") or ""
@@ -189,33 +178,10 @@ def judged(
     console: Console,
     workers: int,
 ) -> list[Outcome]:
-    """Run the cases on each mutant until something disagrees.
-
-    Parameters
-    ----------
-    mutants : mapping of Mutant to str
-        What was drawn, and the commit from whose source.
-    cases : sequence of str
-        Modules of the cases.
-    first : mapping of str to str
-        The case that a mutant goes through first, by its identity.
-    commit : str
-        The commit whose source this is; empty if none.
-    output : Path
-        Folder that keeps the trials that are done.
-    console : rich.console.Console
-        Where progress goes.
-    workers : int
-        Number of trials at a time.
-
-    Returns
-    -------
-    list of Outcome
-        In the sequence in which they were drawn.
-    """
+    """Run the cases on each mutant until something disagrees."""
     known, found = reasons(), dict[str, Outcome]()
     with sound_tree() as tree:
-        trials = Trials(tree, LEVEL, workers, Kept(output / KEPT))
+        trials = Trials(tree, LEVEL, workers, TrialJournal(output / KEPT))
         baseline = sound(trials, cases, console)
         if any(seen.result is not Result.MISSED for seen in baseline.values()):
             return []
@@ -235,18 +201,7 @@ def judged(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Draw, judge, and write `PAGE` and `RECORD`.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Of the command line.
-
-    Returns
-    -------
-    int
-        0 if nothing survived without a reason, else 1.
-    """
+    """Draw, judge, and write `PAGE` and `RECORD`."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=100, help="how many (100)")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of the random numbers ({SEED})")

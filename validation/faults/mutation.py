@@ -15,6 +15,7 @@ from functools import cache
 from pathlib import Path
 
 from validation.faults.changed_tree import source_of
+from validation.faults.syntax import span
 
 ROOMS = ("analytic", "fe_lapjoint", "lapjoint/problem", "lapjoint/answers", "lapjoint/orbits", "lapjoint/campaigns")
 LEFT_OUT = (
@@ -57,18 +58,7 @@ class Mutant:
         return f"{self.module}.{self.function}: {old} -> {new}{which}"
 
     def put_into(self, source: str) -> str:
-        """The source of the module with the change in it.
-
-        Parameters
-        ----------
-        source : str
-            The sound source, in which the change was drawn.
-
-        Returns
-        -------
-        str
-            The same, changed.
-        """
+        """The source of the module with the change in it."""
         raw = source.encode()
         return (raw[: self.start] + self.new.encode() + raw[self.end :]).decode()
 
@@ -77,22 +67,6 @@ def drawn(tree: Path, seed: int, count: int, before: Collection[str] = ()) -> li
     """Changes drawn at random, first the kind and then the place, each place once at most.
 
     A seed draws others as soon as the source changes anywhere.  So those drawn before come first, where they still fit.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-    seed : int
-        Of the random numbers: with the same source it gives the same changes.
-    count : int
-        How many.
-    before : collection of str
-        Identities of those drawn before.
-
-    Returns
-    -------
-    list of Mutant
-        In the sequence in which they were drawn, which does not depend on `count`.
     """
     known: dict[str, list[Mutant]] = {kind: [] for kind in KINDS}
     fitting = {mutant.identity: mutant for mutant in everywhere(tree)}
@@ -125,51 +99,21 @@ def everywhere(tree: Path) -> tuple[Mutant, ...]:
 
 
 def modules(tree: Path) -> list[str]:
-    """Names of the modules that may be changed, sorted.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    list of str
-        Full names.
-    """
+    """Names of the modules that may be changed, sorted."""
     paths = {path.relative_to(tree).with_suffix("") for room in ROOMS for path in (tree / room).rglob("*.py")}
     wanted = [path.as_posix() for path in paths if path.name != "__init__"]
     return sorted(path.replace("/", ".") for path in wanted if path not in LEFT_OUT)
 
 
 def possible(module: str, source: str) -> Iterator[Mutant]:
-    """All changes that may be made in a module.
-
-    Parameters
-    ----------
-    module : str
-        Its full name.
-    source : str
-        Its source.
-
-    Yields
-    ------
-    Mutant
-        In the sequence of the source.
-    """
+    """All changes that may be made in a module."""
     raw = source.encode()
-    starts = [0]
-    for line in raw.split(b"\n"):
-        starts.append(starts[-1] + len(line) + 1)
     alike: Counter[tuple[str, ...]] = Counter()
     for function, node in _computing(ast.parse(source), ""):
         for kind, part, change in _changes(node):
-            begin = starts[part.lineno - 1] + part.col_offset
-            assert part.end_lineno is not None
-            assert part.end_col_offset is not None
-            end = starts[part.end_lineno - 1] + part.end_col_offset
+            begin, end = span(source, part)
             old = raw[begin:end].decode()
-            new = change.format(old=old, **_pieces(part, raw, starts))
+            new = change.format(old=old, **_pieces(part, source))
             reads = (function, *(" ".join(text.split()) for text in (old, new)))
             alike[reads] += 1
             yield Mutant(kind, module, function, part.lineno, begin, end, old, new, alike[reads])
@@ -227,7 +171,7 @@ def _text(node: ast.expr) -> bool:
     return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
-def _pieces(node: ast.expr, raw: bytes, starts: list[int]) -> dict[str, str]:
+def _pieces(node: ast.expr, source: str) -> dict[str, str]:
     """The source of both sides of an operation, or of its operand."""
     if isinstance(node, ast.Compare):
         parts = {"left": node.left, "right": node.comparators[0]}
@@ -235,11 +179,4 @@ def _pieces(node: ast.expr, raw: bytes, starts: list[int]) -> dict[str, str]:
         parts = {"left": node.left, "right": node.right}
     else:
         parts = {"operand": node.operand} if isinstance(node, ast.UnaryOp) else {}
-    return {name: _source(part, raw, starts) for name, part in parts.items()}
-
-
-def _source(node: ast.expr, raw: bytes, starts: list[int]) -> str:
-    assert node.end_lineno is not None
-    assert node.end_col_offset is not None
-    begin = starts[node.lineno - 1] + node.col_offset
-    return raw[begin : starts[node.end_lineno - 1] + node.end_col_offset].decode()
+    return {name: source.encode()[slice(*span(source, part))].decode() for name, part in parts.items()}

@@ -39,20 +39,7 @@ def recorded_path() -> Path:
 
 
 def written(judged: Sequence[Judged], baseline: dict[str, Seen]) -> str:
-    """The record as text.
-
-    Parameters
-    ----------
-    judged : sequence of Judged
-        All faults, and the control.
-    baseline : dict
-        What was seen of each case without a fault.
-
-    Returns
-    -------
-    str
-        JSON.
-    """
+    """The record as text."""
 
     def line(seen: Seen) -> dict[str, Any]:
         rounded = replace(seen, seconds=round(seen.seconds, 1))

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 from lapjoint.errors import InputError
 from validation.case import Level
 from validation.faults.catalogue import CONTROL, FAULTS
-from validation.faults.changed_tree import copied_tree, installed_tree, source_of
+from validation.faults.changed_tree import copied_tree, installed_tree
 from validation.faults.fault import Fault
 from validation.faults.record import recorded, write_record
-from validation.faults.running import Changed, Kept, Order, Trials
+from validation.faults.running import Order, TrialJournal, Trials
 from validation.faults.table import Judged, answer
 from validation.faults.trial import Result, Seen
 from validation.verdict import Verdict
@@ -37,33 +37,7 @@ def main(
     console: Console,
     workers: int | None = None,
 ) -> int:
-    """Put faults in, one at a time, run the cases on each, and write the reports.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Names of the faults; empty: all.
-    quickest : int, optional
-        Take so many faults only, those that were caught most quickly when all were last run, and the cases by which.
-    modules : sequence of str
-        Modules of the cases.
-    output : Path
-        Folder of the reports, which keeps the trials that are done.
-    console : rich.console.Console
-        Where progress goes.
-    workers : int, optional
-        Number of trials at a time; by default that of the processors.
-
-    Returns
-    -------
-    int
-        0 if every fault is caught, the control is not, and nothing disagrees without a fault; else 1.
-
-    Raises
-    ------
-    InputError
-        For an unknown fault.
-    """
+    """Put faults in, one at a time, run the cases on each, and write the reports."""
     from validation.report.write import write_reports
     from validation.suite import modules_of
 
@@ -72,7 +46,7 @@ def main(
     if quickest is not None:
         faults, modules = _quickest(faults, modules, quickest)
     with sound_tree() as tree:
-        trials = Trials(tree, LEVEL, workers or len(os.sched_getaffinity(0)), Kept(output / KEPT))
+        trials = Trials(tree, LEVEL, workers or len(os.sched_getaffinity(0)), TrialJournal(output / KEPT))
         judged, baseline = _on_trial(trials, faults, modules, console)
     result = answer(judged, baseline)
     pages = [*write_reports([result], LEVEL, output, time.perf_counter() - begin)]
@@ -107,35 +81,14 @@ def _on_trial(
 
 @contextmanager
 def sound_tree() -> Iterator[Path]:
-    """A copy of the packages as they are now, which later changes of the source leave alone.
-
-    Yields
-    ------
-    Path
-        The folder that holds them.
-    """
+    """A copy of the packages as they are now, which later changes of the source leave alone."""
     with tempfile.TemporaryDirectory(prefix="lapjoint-sound-") as name:
         copied_tree(installed_tree(), Path(name))
         yield Path(name)
 
 
 def sound(trials: Trials, modules: Sequence[str], console: Console) -> dict[str, Seen]:
-    """Run each case without a fault.
-
-    Parameters
-    ----------
-    trials : Trials
-        Runs them.
-    modules : sequence of str
-        Modules of the cases.
-    console : rich.console.Console
-        Where progress goes.
-
-    Returns
-    -------
-    dict
-        What was seen, by case.
-    """
+    """Run each case without a fault."""
     console.print(f"[bold]{len(modules)} cases without a fault[/bold]", highlight=False)
 
     def done(case: str, seen: Seen) -> None:
@@ -148,9 +101,8 @@ def sound(trials: Trials, modules: Sequence[str], console: Console) -> dict[str,
 def _judged(trials: Trials, faults: Sequence[Fault], order: Order, console: Console) -> list[Judged]:
     console.print(f"[bold]{len(faults) - 1} faults, and a control[/bold]", highlight=False)
     known = {fault.name: fault for fault in faults}
-    changes = (Changed(f.name, f.module, f.put_into(source_of(trials.tree, f.module))) for f in faults)
     found: list[Judged] = []
-    for changed, seen in trials.judged(changes, order):
+    for changed, seen in trials.judged((fault.put_into(trials.tree) for fault in faults), order):
         found.append(Judged(known[changed.label], seen))
         line = f"  {len(found)}/{len(faults)} {changed.label}: {seen_line(seen)}"
         console.print(line, highlight=False, markup=False, soft_wrap=True)
@@ -158,18 +110,7 @@ def _judged(trials: Trials, faults: Sequence[Fault], order: Order, console: Cons
 
 
 def seen_line(seen: Seen) -> str:
-    """What became of a trial, in a line.
-
-    Parameters
-    ----------
-    seen : Seen
-        What was seen.
-
-    Returns
-    -------
-    str
-        For people.
-    """
+    """What became of a trial, in a line."""
     case = f" by {seen.case.replace('_', '-')}" if seen.case else ""
     item = f": {seen.item}" if seen.item else ""
     numbers = f", {seen.number} against {seen.bound}" if seen.number else ""

@@ -1,7 +1,8 @@
 """Many trials: each on its own copy of the packages, in its own process, some at a time.
 
 The processes are forked from one that has loaded the heavy libraries (multiprocessing's fork server), so that a trial
-begins at once, and nothing leaks from one to the next.  Ctrl-C ends all of them; what is done is kept, see `Kept`.
+begins at once, and nothing leaks from one to the next.  Ctrl-C ends all of them; a
+`TrialJournal` keeps the trials that are done.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from typing import Any
 
 from lapjoint.machine.processes import interrupts_held
 from validation.case import Level
-from validation.faults.changed_tree import PACKAGES, change, copied_tree
+from validation.faults.changed_tree import PACKAGES, Changed, change, copied_tree
 from validation.faults.trial import Result, Seen, try_tree
 
 ALLOWANCE, TIMES = 20.0, 10.0
@@ -34,18 +35,6 @@ _NOT_JUDGING = ("cases", "faults", "report", "command.py", "suite.py")
 
 Limits = tuple[tuple[str, float], ...]
 """Modules of cases in the order in which they run, and the most time that each may take, s."""
-
-
-@dataclass(frozen=True)
-class Changed:
-    """One module with other source; no module: nothing is changed."""
-
-    label: str
-    """What it is called."""
-    module: str = ""
-    """The module, by its full name."""
-    source: str = ""
-    """Its new source."""
 
 
 @dataclass(frozen=True)
@@ -75,16 +64,11 @@ class Order:
         return tuple((case, more + TIMES * seconds) for case, seconds in ordered)
 
 
-class Kept:
+class TrialJournal:
     """Trials that are done, a line each in a file, so that a run that was interrupted goes on where it was.
 
     What was seen by a case counts as long as the source of the case is the same: after a change of one case, or with
     one more, only that case is run again.
-
-    Parameters
-    ----------
-    path : Path, optional
-        The file; None keeps nothing.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -99,21 +83,7 @@ class Kept:
                 continue  # a line that was cut off: its trial is run again
 
     def get(self, key: str, cases: Mapping[str, str]) -> Seen | None:
-        """What became of a trial that was run before, if it was, and that would come of it again.
-
-        Parameters
-        ----------
-        key : str
-            All that its outcome depends on but for the cases, as a digest.
-        cases : mapping of str to str
-            The cases, and a digest of each one's source: that in which something was seen must be among them, or all of
-            them were run then.
-
-        Returns
-        -------
-        Seen or None
-            What was seen then.
-        """
+        """What became of a trial that was run before, if it was, and that would come of it again."""
         if key not in self._seen:
             return None
         seen, sources = self._seen[key]
@@ -122,20 +92,7 @@ class Kept:
         return seen if set(cases) <= {case for case, _ in self.passed(key, cases).spent} else None
 
     def passed(self, key: str, cases: Mapping[str, str]) -> Seen:
-        """The cases that a trial went through before without being caught.
-
-        Parameters
-        ----------
-        key : str
-            All that its outcome depends on but for the cases, as a digest.
-        cases : mapping of str to str
-            The cases, and a digest of each one's source.
-
-        Returns
-        -------
-        Seen
-            With the time of each.
-        """
+        """The cases that a trial went through before without being caught."""
         seen, sources = self._seen.get(key, (Seen(Result.MISSED), dict[str, str]()))
         spent = tuple(
             (case, seconds)
@@ -145,22 +102,7 @@ class Kept:
         return Seen(Result.MISSED, seconds=sum(seconds for _, seconds in spent), spent=spent)
 
     def put(self, key: str, seen: Seen, cases: Mapping[str, str]) -> Seen:
-        """Keep what became of a trial, together with what it went through before.
-
-        Parameters
-        ----------
-        key : str
-            All that its outcome depends on but for the cases, as a digest.
-        seen : Seen
-            What was seen.
-        cases : mapping of str to str
-            The cases, and a digest of each one's source.
-
-        Returns
-        -------
-        Seen
-            The same, with the time of all cases.
-        """
+        """Keep what became of a trial, together with what it went through before."""
         before = self.passed(key, cases)
         seen = replace(seen, spent=before.spent + seen.spent, seconds=before.seconds + seen.seconds)
         self._seen[key] = seen, dict(cases)
@@ -171,51 +113,18 @@ class Kept:
 
 
 def plain(seen: Seen) -> dict[str, Any]:
-    """What was seen as plain values, for JSON.
-
-    Parameters
-    ----------
-    seen : Seen
-        What was seen.
-
-    Returns
-    -------
-    dict
-        Its fields.
-    """
+    """What was seen as plain values, for JSON."""
     return {**vars(seen), "result": seen.result.value}
 
 
 def seen_from(values: Mapping[str, Any]) -> Seen:
-    """What was seen, from plain values.
-
-    Parameters
-    ----------
-    values : mapping
-        The fields of a `Seen`.
-
-    Returns
-    -------
-    Seen
-        What was seen.
-    """
+    """What was seen, from plain values."""
     spent = tuple((str(case), float(seconds)) for case, seconds in values.get("spent", ()))
     return Seen(**{**values, "result": Result(values["result"]), "spent": spent})
 
 
 def digest(tree: Path) -> str:
-    """A digest of all source on which verdicts depend, but for that of the cases.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    str
-        Hexadecimal.
-    """
+    """A digest of all source on which verdicts depend, but for that of the cases."""
     found = hashlib.sha256()
     for package in PACKAGES:
         for path in sorted((tree / package).rglob("*.*")):
@@ -226,18 +135,7 @@ def digest(tree: Path) -> str:
 
 
 def case_digests(tree: Path) -> dict[str, str]:
-    """A digest of the source of each case, and of the cases that it imports.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    dict
-        Hexadecimal, by the module of the case.
-    """
+    """A digest of the source of each case, and of the cases that it imports."""
     sources = {path.stem: path.read_text() for path in sorted((tree / "validation/cases").glob("*.py"))}
     needed = {case: {case, *re.findall(r"validation\.cases\.(\w+)", source)} for case, source in sources.items()}
     while (
@@ -263,21 +161,9 @@ class _Trial:
 
 
 class Trials:
-    """Runs trials, some at a time.
+    """Runs trials, some at a time."""
 
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the sound packages.
-    level : "quick", "standard" or "full"
-        Level at which the judge runs.
-    workers : int
-        Number of processes at a time.
-    kept : Kept
-        Takes what is done, and knows what was done before.
-    """
-
-    def __init__(self, tree: Path, level: Level, workers: int, kept: Kept) -> None:
+    def __init__(self, tree: Path, level: Level, workers: int, kept: TrialJournal) -> None:
         self.tree, self._level, self._workers, self._kept = tree, level, workers, kept
         self._digest, self._sources = digest(tree), case_digests(tree)
         self._context: ForkServerContext = multiprocessing.get_context("forkserver")

@@ -35,20 +35,7 @@ class Judged:
 
 
 def answer(judged: Sequence[Judged], baseline: dict[str, Seen]) -> CaseResult:
-    """The table of the faults as a case of the report.
-
-    Parameters
-    ----------
-    judged : sequence of Judged
-        The faults, and the control.
-    baseline : dict
-        What was seen of each case without a fault.
-
-    Returns
-    -------
-    CaseResult
-        Agrees if every fault was caught, the control was not, and without a fault nothing disagreed.
-    """
+    """The faults as a case of the report, which agrees if all are caught, and nothing is without a fault."""
     criteria = [
         Criterion(
             f"{one.fault.name}: {one.seen.result.value}",

@@ -217,16 +217,5 @@ RULES = {
 
 
 def rule_of(key: str) -> Rule:
-    """The rule of a claim.
-
-    Parameters
-    ----------
-    key : str
-        The claim's key, as in ``claims.toml``.
-
-    Returns
-    -------
-    Rule
-        That of its kind.
-    """
+    """The rule of a claim."""
     return RULES[key.partition("/")[0]]

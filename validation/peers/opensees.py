@@ -76,13 +76,6 @@ class Solver:
         """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.
 
         See `lapjoint.solver.Solver.modes`.
-
-        Raises
-        ------
-        InputError
-            If `count` exceeds the number of degrees of freedom, or OpenSees is not installed.
-        SolverError
-            If OpenSees fails.
         """
         from validation.peers import opensees_answers
 
@@ -94,13 +87,6 @@ class Solver:
         """The motion from rest over `duration` seconds; `errors` is not used, none are estimated.
 
         See `lapjoint.solver.Solver.simulate`.
-
-        Raises
-        ------
-        InputError
-            If OpenSees cannot express the problem, would need too many steps, or is not installed.
-        SolverError
-            If OpenSees fails.
         """
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
@@ -126,13 +112,6 @@ class Solver:
         `sensitivity` and `errors` are not used.
 
         See `lapjoint.solver.Solver.steady_state`.
-
-        Raises
-        ------
-        InputError
-            If OpenSees cannot express the problem or is not installed, or the excitation has no period.
-        SolverError
-            If OpenSees fails.
         """
         period = problem.require_excitation_period("steady state")
         check_problem(problem)
@@ -144,18 +123,7 @@ class Solver:
 
 
 def check_problem(problem: Problem) -> None:
-    """Refuse what OpenSees cannot express, or starts wrongly: it begins with zero acceleration.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is to be solved.
-
-    Raises
-    ------
-    InputError
-        With the one part that does not fit.
-    """
+    """Refuse what OpenSees cannot express, or starts wrongly: it begins with zero acceleration."""
     if isinstance(problem.damping, ModalDamping):
         raise InputError('damping.kind = "modal": OpenSees has it for one state only; allowed are "viscous" and "none"')
     if problem.point_loads:

@@ -23,20 +23,7 @@ HINT = "pip install 'lapjoint[opensees]', and on Debian apt install libblas3 lib
 
 
 def ask(question: str, *arguments: Any) -> Any:
-    """The answer of a function of `opensees_script`, run in another process.
-
-    Parameters
-    ----------
-    question : str
-        Name of the function.
-    *arguments : Any
-        Its arguments, which go through pickle.
-
-    Returns
-    -------
-    Any
-        What the function returns.
-    """
+    """The answer of a function of `opensees_script`, run in another process."""
     return in_another_process(f"{SCRIPT}:{question}", arguments, "OpenSees", HINT)
 
 
@@ -129,22 +116,7 @@ def simulate(solver: Options, problem: Problem, duration: float, progress: Progr
 
 
 def steady_state(solver: Options, problem: Problem, progress: Progress | None) -> SteadyState:
-    """The motion that remains, as far as a march can tell.
-
-    Parameters
-    ----------
-    solver : Options
-        Its options.
-    problem : Problem
-        One that `check_problem` accepts, excited at one frequency.
-    progress : callable, optional
-        Called at the start with (0, 1) and at the end with (1, 1).
-
-    Returns
-    -------
-    SteadyState
-        UNDECIDED where the march did not come back; nothing is certified.
-    """
+    """The motion that remains, as far as a march can tell."""
     if progress is not None:
         progress(0.0, 1.0)
     options = (solver.elements, solver.dt, solver.repeats, solver.max_period_multiple, solver.max_periods)

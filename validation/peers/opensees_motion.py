@@ -55,22 +55,7 @@ class RecordedField:
 
 
 def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
-    """The contacts of one stop.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    stop : int
-        Index of the stop.
-    record : Record
-        What OpenSees recorded.
-
-    Returns
-    -------
-    list of Contact
-        By time; those cut by the ends of the record are marked as open there.
-    """
+    """The contacts of one stop."""
     this, start, end = problem.stops[stop], record.times[0], record.times[-1]
     node = int(np.argmin(np.abs(record.nodes - this.x)))
     beyond = CubicHermiteSpline(
@@ -90,22 +75,7 @@ def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
 
 
 def history_of(problem: Problem, name: str, record: Record) -> History:
-    """A record as the History that everybody reads.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    name : str
-        Name and options of the solver.
-    record : Record
-        What OpenSees recorded.
-
-    Returns
-    -------
-    History
-        From the first recorded time to the last.
-    """
+    """A record as the History that everybody reads."""
     stops = range(len(problem.stops))
     contacts = sorted((c for k in stops for c in contacts_of(problem, k, record)), key=lambda c: c.start)
     switches = sorted(

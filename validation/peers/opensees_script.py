@@ -123,13 +123,7 @@ class Model:
         ops.element("zeroLength", tag, tag, node, "-mat", tag, "-dir", _SPRING_DIRECTION[direction])
 
     def close(self, state: ContactState) -> None:
-        """Tie the beam to the springs of the closed stops.
-
-        Parameters
-        ----------
-        state : ContactState
-            Which stops are closed.
-        """
+        """Tie the beam to the springs of the closed stops."""
         for k in state.closed:
             self._spring(self.problem.stops[k].x, _Z, "Elastic", self.problem.stops[k].stiffness)
 

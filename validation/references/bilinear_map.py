@@ -152,18 +152,7 @@ class BilinearMap:
 
     @staticmethod
     def of_bar(bar: RigidBar) -> BilinearMap:
-        """The system of a rigid bar shaken at its base against one stop, or between two equal ones.
-
-        Parameters
-        ----------
-        bar : RigidBar
-            The bar; the amplitude of its base does not matter.
-
-        Returns
-        -------
-        BilinearMap
-            Of motions of one period.
-        """
+        """The system of a rigid bar shaken at its base against one stop, or between two equal ones."""
         pieces = [Piece(bar.M, *bar.matrices(closed)) for closed in (frozenset[int](), frozenset({0}))]
         base, stop = bar.tables["base_motion"], bar.stops[0]
         return BilinearMap(
@@ -191,18 +180,7 @@ class BilinearMap:
         return np.append(np.atleast_1d(self.lever), np.zeros(self.free.count))
 
     def motion(self, d: float) -> OneContact:
-        """The motion of a duration of contact, whether or not it is on the right side of the stop.
-
-        Parameters
-        ----------
-        d : float
-            s, above zero and below the period.
-
-        Returns
-        -------
-        OneContact
-            Its amplitude is above zero.
-        """
+        """The motion of a duration of contact, whether or not it is on the right side of the stop."""
         return self.motions(np.array([d]))[0]
 
     def motions(self, d: Array) -> list[OneContact]:
@@ -312,18 +290,7 @@ class BilinearMap:
         return piece, start, state - piece.rest - self._wave(piece)(start) @ load, load
 
     def exists(self, motion: OneContact) -> bool:
-        """Whether a motion is beyond the stop in its contact, and nowhere else.
-
-        Parameters
-        ----------
-        motion : OneContact
-            The motion.
-
-        Returns
-        -------
-        bool
-            At as many points as a piece has samples.
-        """
+        """Whether a motion is beyond the stop in its contact, and nowhere else."""
         speeds = [np.atleast_1d(self.lever) @ state[self.free.count :] for state in (motion.start, motion.end)]
         if not speeds[0] > 0 > speeds[1]:
             return False
@@ -346,13 +313,7 @@ class BilinearMap:
         return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
-        """The motions of least or largest amplitude, of those beside them.
-
-        Returns
-        -------
-        list of OneContact
-            By their durations.
-        """
+        """The motions of least or largest amplitude, of those beside them."""
         found = []
         for a, b, c in zip(self.stations, self.stations[1:], self.stations[2:], strict=False):
             sign = 1.0 if b.amplitude < min(a.amplitude, c.amplitude) else -1.0
@@ -367,23 +328,11 @@ class BilinearMap:
         return found
 
     def flips(self) -> list[OneContact]:
-        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks.
-
-        Returns
-        -------
-        list of OneContact
-            By their durations.
-        """
+        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks."""
         return self._roots(lambda motion: float(np.prod(1 + np.array(motion.multipliers)).real))
 
     def neimark_sackers(self) -> list[OneContact]:
-        """The motions with a complex pair of multipliers on the unit circle.
-
-        Returns
-        -------
-        list of OneContact
-            By their durations.
-        """
+        """The motions with a complex pair of multipliers on the unit circle."""
 
         # The product of 1 - mu_i mu_j over i < j vanishes there, and where mu_i = 1 / mu_j are real.
         def beyond(motion: OneContact) -> float:

@@ -232,18 +232,7 @@ class Stay:
 
 
 def answers(modes: int) -> dict[str, float]:
-    """First contact and release, s, impulse, N s, and kinetic energy at `AT`, J, with so many modes in each state.
-
-    Parameters
-    ----------
-    modes : int
-        Modes in each state.
-
-    Returns
-    -------
-    dict of str to float
-        By the names in `QUANTITIES`.
-    """
+    """First contact and release, s, impulse, N s, and kinetic energy at `AT`, J, with so many modes in each state."""
     free, closed = family(0.0, modes), family(STIFFNESS, modes)
     _, w = quadrature(modes)
     fall = Stay(free, False, 0.0, -MASS * (free.shapes @ (w * free.static)), np.zeros(modes))  # straight, at rest

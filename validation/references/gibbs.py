@@ -86,18 +86,7 @@ class Gibbs:
         return float((w * p) @ u**power / (w @ p))
 
     def probability(self, low: float, high: float) -> float:
-        """The part of the time that the displacement is between two levels.
-
-        Parameters
-        ----------
-        low, high : float
-            m; may be infinite.
-
-        Returns
-        -------
-        float
-            From 0 to 1.
-        """
+        """The part of the time that the displacement is between two levels."""
         u, w = self._grid()
         p = w * np.exp(-self.potential(u) / self.speed**2)
         whole = float(p.sum())
@@ -113,18 +102,7 @@ class Gibbs:
         return float((half * g).ravel() @ inside) / whole
 
     def upcrossings(self, level: float) -> float:
-        """How often the displacement crosses a level upwards.
-
-        Parameters
-        ----------
-        level : float
-            m.
-
-        Returns
-        -------
-        float
-            1/s.
-        """
+        """How often the displacement crosses a level upwards."""
         u, w = self._grid()
         whole = float(w @ np.exp(-self.potential(u) / self.speed**2))
         p = float(np.exp(-self.potential(np.array([level]))[0] / self.speed**2)) / whole

@@ -43,20 +43,7 @@ class LogLogDensity:
         return found
 
     def integral(self, rates: int, power: int = 1) -> float:
-        """The integral over the frequency f of (2 pi f)^(2 rates) S, or of a power of that.
-
-        Parameters
-        ----------
-        rates : int
-            Time derivatives of the signal; integrals over time count as negative.
-        power : int
-            Of the integrand: 1 gives the mean square.
-
-        Returns
-        -------
-        float
-            In the units that these make.
-        """
+        """The integral over the frequency f of ((2 pi f)^(2 rates) S)^power; negative `rates` integrate over time."""
         edges = np.log([f for f, _ in self.breakpoints])
         edges = np.concatenate([np.linspace(a, b, 41)[:-1] for a, b in itertools.pairwise(edges)])
         edges = np.append(edges, math.log(self.breakpoints[-1][0]))

@@ -45,18 +45,7 @@ class PinnedBeam:
 
     @staticmethod
     def from_toml(text: str) -> PinnedBeam:
-        """The beam of a problem given as the text of its file.
-
-        Parameters
-        ----------
-        text : str
-            The text of the problem file.
-
-        Returns
-        -------
-        PinnedBeam
-            The beam.
-        """
+        """The beam of a problem given as the text of its file."""
         return PinnedBeam(tomllib.loads(text))
 
     @cached_property

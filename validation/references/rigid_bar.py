@@ -72,18 +72,7 @@ class RigidBar:
 
     @staticmethod
     def from_toml(text: str) -> RigidBar:
-        """The bar of a problem given as the text of its file.
-
-        Parameters
-        ----------
-        text : str
-            The text of the problem file.
-
-        Returns
-        -------
-        RigidBar
-            The bar.
-        """
+        """The bar of a problem given as the text of its file."""
         return RigidBar(tomllib.loads(text))
 
     @cached_property

@@ -17,22 +17,7 @@ _STEPS, _CLOSES = 20, 1e-12  # of Newton's method, and how closely the motion cl
 
 
 def periodic(bar: RigidBar, periods: int = 1, settle: int = 30) -> BarMotion:
-    """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods.
-
-    Parameters
-    ----------
-    bar : RigidBar
-        The bar.
-    periods : int
-        Excitation periods.
-    settle : int
-        Excitation periods marched before.
-
-    Returns
-    -------
-    BarMotion
-        One period of the motion.
-    """
+    """The motion over `periods` excitation periods that closes, by Newton's method after `settle` periods."""
     begun = bar.march(settle * periods * bar.period)
     y = np.concatenate([begun.u, begun.v])
     for _ in range(_STEPS):
@@ -45,22 +30,7 @@ def periodic(bar: RigidBar, periods: int = 1, settle: int = 30) -> BarMotion:
 
 
 def period_multiple(bar: RigidBar, settle: int = 60, most: int = 6) -> int:
-    """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do.
-
-    Parameters
-    ----------
-    bar : RigidBar
-        The bar.
-    settle : int
-        Excitation periods marched before.
-    most : int
-        Most excitation periods after which it may repeat.
-
-    Returns
-    -------
-    int
-        How many.
-    """
+    """Excitation periods after which the motion repeats that is reached after `settle` periods; 0 if none do."""
     u, v = bar.initial
     points = []
     for n in range(settle + most + 1):
@@ -121,18 +91,7 @@ def multipliers(motion: BarMotion) -> Array:
 
 
 def mirrors_itself(motion: BarMotion) -> bool:
-    """Whether z(t + T / 2) = -z(t), for a motion over its period T.
-
-    Parameters
-    ----------
-    motion : BarMotion
-        The motion.
-
-    Returns
-    -------
-    bool
-        To a thousandth of the largest displacement.
-    """
+    """Whether z(t + T / 2) = -z(t) over the period T, to a thousandth of the largest displacement."""
     half = motion.flows[-1].end / 2
     t = np.linspace(0.0, half, 40)[1:-1]
     one, other = (np.array([motion.evaluate(x, s) for x in (0.0, motion.bar.length)]) for s in (t, t + half))

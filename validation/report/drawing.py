@@ -41,18 +41,5 @@ def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WID
 
 
 def drawing(title: str, axes: Axes | Sequence[Axes]) -> Drawing:
-    """The figure of these axes, one or several.
-
-    Parameters
-    ----------
-    title : str
-        What the figure is called, for readers who do not see it too.
-    axes : Axes or sequence of Axes
-        All of one figure.
-
-    Returns
-    -------
-    Drawing
-        The figure as SVG.
-    """
+    """The figure of these axes, one or several."""
     return Drawing(title, svg_of(axes).replace("<svg ", f'<svg role="img" aria-label="{html.escape(title)}" ', 1))

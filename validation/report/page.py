@@ -87,18 +87,7 @@ class View:
         return counts(self.result)
 
     def evidence(self, verdict: Verdict) -> str:
-        """Anchor of what a count of verdicts stands for.
-
-        Parameters
-        ----------
-        verdict : Verdict
-            Which comparisons are counted.
-
-        Returns
-        -------
-        str
-            The anchor.
-        """
+        """Anchor of what a count of verdicts stands for."""
         if verdict is not Verdict.AGREE:
             return f"{self.anchor}-findings"
         return f"{self.anchor}-{'checks' if self.result.checks else 'criteria'}"
@@ -151,54 +140,19 @@ def _worst_first(items: Sequence[Any]) -> list[tuple[int, Any]]:
 
 
 def views(results: Sequence[CaseResult]) -> list[View]:
-    """Each case with an anchor of its own.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        In the order in which they are shown.
-
-    Returns
-    -------
-    list of View
-        In the same order.
-    """
+    """Each case with an anchor of its own."""
     anchors = distinct([f"case {result.name}" for result in results])
     return [View(result, anchor) for result, anchor in zip(results, anchors, strict=True)]
 
 
 def own_ids(svg: str, prefix: str) -> str:
-    """An SVG whose ids, and references to them, carry a prefix.
-
-    Parameters
-    ----------
-    svg : str
-        The drawing.
-    prefix : str
-        What goes before each id, with a hyphen.
-
-    Returns
-    -------
-    str
-        The drawing, changed.
-    """
+    """An SVG whose ids, and references to them, carry a prefix."""
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
     return re.sub(r'(href="#|url\(#)([^")]+)', rf"\1{prefix}-\2", svg)
 
 
 def sentence(results: Sequence[CaseResult]) -> str:
-    """The verdict on everything, in a sentence.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        All cases.
-
-    Returns
-    -------
-    str
-        One sentence, or two.
-    """
+    """The verdict on everything, in a sentence."""
     found = {v: sum(counts(result)[v] for result in results) for v in VERDICTS}
     total, differ, named = sum(found.values()), found[Verdict.DISAGREE], found[Verdict.EXPLAINED]
     if not total:
@@ -213,20 +167,7 @@ def sentence(results: Sequence[CaseResult]) -> str:
 
 
 def significant(value: float, uncertainty: float) -> str:
-    """A number down to the first digit of its uncertainty.
-
-    Parameters
-    ----------
-    value : float
-        In any unit.
-    uncertainty : float
-        In the same unit; 0 or not finite: nine digits are written.
-
-    Returns
-    -------
-    str
-        The number with 2 to 15 digits.
-    """
+    """A number down to the first digit of its uncertainty; nine digits if the uncertainty is 0 or not finite."""
     digits = 9
     if value and math.isfinite(value) and uncertainty > 0 and math.isfinite(uncertainty):
         digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(uncertainty)) + 1
@@ -235,20 +176,7 @@ def significant(value: float, uncertainty: float) -> str:
 
 
 def short(value: float, digits: int = 2) -> str:
-    """A number to two digits or so; whole ones below 100000 are written out.
-
-    Parameters
-    ----------
-    value : float
-        In any unit.
-    digits : int
-        Significant digits.
-
-    Returns
-    -------
-    str
-        The number, with a sign of infinity where it is infinite.
-    """
+    """A number to two digits or so; whole ones below 100000 are written out."""
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
     if math.isfinite(value) and 10 ** (digits - 1) <= abs(value) < 1e5:
@@ -281,24 +209,7 @@ def _answer(shown: Sequence[View]) -> Sheet | None:
 
 
 def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any], joint: Drawing) -> str:
-    """The page as HTML.
-
-    Parameters
-    ----------
-    shown : sequence of View
-        The cases, in the order in which they are shown.
-    overall : mapping of str to Sheet
-        Tables of all cases: ``summary``, ``kinds`` and ``budget``, and either ``faults`` or ``parameters``.
-    about : mapping of str to Any
-        Level, run time, date, machine and versions; the problem, where there was one.
-    joint : Drawing
-        The sketch of what was solved.
-
-    Returns
-    -------
-    str
-        One document, that needs no other file.
-    """
+    """The page as HTML."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(

@@ -18,18 +18,7 @@ VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
 
 
 def case_record(result: CaseResult) -> dict[str, Any]:
-    """A case for ``report.json``.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-
-    Returns
-    -------
-    dict
-        Plain data.
-    """
+    """A case for ``report.json``."""
     return {
         "name": result.name,
         "title": result.title,
@@ -44,18 +33,7 @@ def case_record(result: CaseResult) -> dict[str, Any]:
 
 
 def check_record(check: Check) -> dict[str, Any]:
-    """A check for ``report.json``.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-
-    Returns
-    -------
-    dict
-        Plain data; numbers that are not finite are None.
-    """
+    """A check for ``report.json``."""
     return {
         "name": check.name,
         "unit": check.unit,
@@ -72,18 +50,7 @@ def check_record(check: Check) -> dict[str, Any]:
 
 
 def criterion_record(criterion: Criterion) -> dict[str, Any]:
-    """A criterion for ``report.json``.
-
-    Parameters
-    ----------
-    criterion : Criterion
-        The criterion.
-
-    Returns
-    -------
-    dict
-        Plain data; numbers that are not finite are None.
-    """
+    """A criterion for ``report.json``."""
     return {
         "name": criterion.name,
         "unit": criterion.unit,
@@ -96,18 +63,7 @@ def criterion_record(criterion: Criterion) -> dict[str, Any]:
 
 
 def finite(value: float) -> float | None:
-    """A number that JSON knows, or none.
-
-    Parameters
-    ----------
-    value : float
-        Any number.
-
-    Returns
-    -------
-    float or None
-        None where the number is not finite.
-    """
+    """A number that JSON knows, or none."""
     return value if math.isfinite(value) else None
 
 
@@ -122,20 +78,7 @@ def _estimate(estimate: Estimate) -> dict[str, Any]:
 
 
 def checks_sheet(result: CaseResult, name: str) -> Sheet:
-    """All checks of a case, to the last digit.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-    name : str
-        Name of the files.
-
-    Returns
-    -------
-    Sheet
-        A row for each check.
-    """
+    """All checks of a case, to the last digit."""
     numbers = ("", ": uncertainty", ": kind", ": how obtained")
     columns = (
         *("quantity", "unit", "verdict"),
@@ -154,54 +97,19 @@ def _check_row(check: Check) -> tuple[Cell, ...]:
 
 
 def criteria_sheet(result: CaseResult, name: str) -> Sheet:
-    """All criteria of a case.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-    name : str
-        Name of the files.
-
-    Returns
-    -------
-    Sheet
-        A row for each criterion.
-    """
+    """All criteria of a case."""
     columns = ("criterion", "unit", "verdict", "value", "from", "to", "reason")
     rows = [(c.name, c.unit, c.verdict.value, c.value, c.low, c.high, c.reason) for c in result.criteria]
     return Sheet(name, f"Criteria: {result.title}", columns, tuple(rows))
 
 
 def counts(result: CaseResult) -> dict[Verdict, int]:
-    """Number of comparisons of each verdict, worst first.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-
-    Returns
-    -------
-    dict of Verdict to int
-        All verdicts, also those that nothing has.
-    """
+    """Number of comparisons of each verdict, worst first."""
     return {verdict: sum(item.verdict is verdict for item in result.items) for verdict in VERDICTS}
 
 
 def tightest(result: CaseResult) -> Check | None:
-    """The check with the largest difference over allowed, of those that are not explained.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-
-    Returns
-    -------
-    Check or None
-        None where there is no such check; a NaN only where there is nothing else.
-    """
+    """The check with the largest difference over allowed, of those that are not explained."""
     judged = [check for check in result.checks if check.verdict is not Verdict.EXPLAINED]
     return max(judged, key=lambda check: -1.0 if math.isnan(check.used) else check.used, default=None)
 
@@ -229,18 +137,7 @@ def summary_sheet(results: Sequence[CaseResult]) -> Sheet:
 
 
 def kinds_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """Number of checks of each kind of reference, by verdict; criteria are counted as such.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        All cases.
-
-    Returns
-    -------
-    Sheet
-        A row for each kind.
-    """
+    """Number of checks of each kind of reference, by verdict; criteria are counted as such."""
     found: dict[str, list[Verdict]] = {}
     for result in results:
         for check in result.checks:
@@ -253,18 +150,7 @@ def kinds_sheet(results: Sequence[CaseResult]) -> Sheet:
 
 
 def parameters_sheet(problem: Problem) -> Sheet:
-    """Every value of a problem that is given, a row for each part of it.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-
-    Returns
-    -------
-    Sheet
-        Parts as they are called in the file, and their values.
-    """
+    """Every value of a problem that is given, a row for each part of it."""
     rows: list[tuple[Cell, ...]] = []
     for key, part in problem_tables_json(problem).items():
         if key in ("title", "schema_version"):
@@ -301,13 +187,7 @@ _SHOWN = 12
 
 
 def faults_sheet() -> Sheet:
-    """What each of the faults does that were put into the program, and what caught it: the last complete run.
-
-    Returns
-    -------
-    Sheet
-        A row for each fault.
-    """
+    """What each of the faults does that were put into the program, and what caught it: the last complete run."""
     from validation.faults.catalogue import CONTROL
     from validation.faults.record import recorded
 

@@ -62,37 +62,13 @@ class Sheet:
 
 
 def slug(text: str, longest: int = 48) -> str:
-    """A name for files and anchors: lower-case letters, digits and hyphens, never empty.
-
-    Parameters
-    ----------
-    text : str
-        Any text.
-    longest : int
-        Most characters.
-
-    Returns
-    -------
-    str
-        The name; ``x`` where nothing of the text is left.
-    """
+    """A name for files and anchors: lower-case letters, digits and hyphens, never empty."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
     return re.sub(r"[^a-z0-9]+", "-", plain.lower())[:longest].strip("-") or "x"
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """The slugs of the names, numbered where they meet.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Any texts.
-
-    Returns
-    -------
-    list of str
-        As many, all different.
-    """
+    """The slugs of the names, numbered where they meet."""
     found: list[str] = []
     for name in names:
         base, tag, count = slug(name), slug(name), 1
@@ -104,20 +80,7 @@ def distinct(names: Sequence[str]) -> list[str]:
 
 
 def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
-    """Write all sheets, and an index of them, into a new folder `tables`.
-
-    Parameters
-    ----------
-    sheets : sequence of Sheet
-        Their names are all different.
-    output : Path
-        An existing directory, without a folder of that name; see `lapjoint.files.writing.completed_series`.
-
-    Raises
-    ------
-    OSError
-        If a file cannot be written.
-    """
+    """Write all sheets, and an index of them, into a new folder `tables`."""
     folder = output / FOLDER
     folder.mkdir()
     for sheet in sheets:
@@ -128,13 +91,7 @@ def write_sheets(sheets: Sequence[Sheet], output: Path) -> None:
 
 
 def remove_sheets(output: Path) -> None:
-    """Remove the sheets that an earlier report left in the folder `tables`.
-
-    Parameters
-    ----------
-    output : Path
-        The directory of the report.
-    """
+    """Remove the sheets that an earlier report left in the folder `tables`."""
     for name in _left_behind(output / FOLDER):
         (output / FOLDER / name).unlink(missing_ok=True)
 

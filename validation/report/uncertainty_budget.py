@@ -15,18 +15,7 @@ from validation.verdict import Check, source_name
 
 
 def shares(check: Check) -> dict[str, float]:
-    """Share of each source in the combined uncertainty squared, largest first; empty where there is none.
-
-    Parameters
-    ----------
-    check : Check
-        The check.
-
-    Returns
-    -------
-    dict of str to float
-        The shares, without unit, which add up to 1.
-    """
+    """Share of each source in the combined uncertainty squared, largest first; empty where there is none."""
     whole = check.allowed**2
     if not (math.isfinite(whole) and whole > 0):
         return {}
@@ -55,20 +44,7 @@ def sources(checks: Sequence[Check]) -> tuple[str, ...]:
 
 
 def budget_sheet(result: CaseResult, name: str) -> Sheet:
-    """Shares of each source, check by check, in percent.
-
-    Parameters
-    ----------
-    result : CaseResult
-        The case.
-    name : str
-        Name of the files.
-
-    Returns
-    -------
-    Sheet
-        A row for each check.
-    """
+    """Shares of each source, check by check, in percent."""
     columns = sources(result.checks)
     rows: list[tuple[Cell, ...]] = []
     for check in result.checks:
@@ -83,18 +59,7 @@ def budget_sheet(result: CaseResult, name: str) -> Sheet:
 
 
 def overall_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """For each case and source: in how many quantities it has a part, in how many it leads, and its largest share.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        All cases.
-
-    Returns
-    -------
-    Sheet
-        A row for each case and source.
-    """
+    """For each case and source: in how many quantities it has a part, in how many it leads, and its largest share."""
     rows: list[tuple[Cell, ...]] = []
     for result in results:
         found = [shares(check) for check in result.checks]

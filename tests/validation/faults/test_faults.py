@@ -12,10 +12,10 @@ import pytest
 from lapjoint.cli.main import main
 from lapjoint.machine.processes import end_pool
 from validation.faults.catalogue import CONTROL, FAULTS
-from validation.faults.changed_tree import change, changed_names, installed_tree, source_of
+from validation.faults.changed_tree import Changed, change, changed_names, installed_tree, source_of
 from validation.faults.fault import PLACES, Fault
 from validation.faults.record import PAGE, page, recorded
-from validation.faults.running import Changed, Kept, Order, Trials, case_digests, plain
+from validation.faults.running import Order, TrialJournal, Trials, case_digests, plain
 from validation.faults.trial import Result, Seen, _Here
 
 TREE = installed_tree()
@@ -24,7 +24,9 @@ ROOT = Path(__file__).resolve().parents[3]
 
 @pytest.mark.parametrize("fault", [*FAULTS, CONTROL], ids=lambda fault: fault.name)
 def test_a_fault_fits_the_source_once_and_leaves_it_valid(fault: Fault) -> None:
-    compile(fault.put_into(source_of(TREE, fault.module)), fault.module, "exec")
+    changed = fault.put_into(TREE)
+    compile(changed.source, changed.module, "exec")
+    assert changed_names(source_of(TREE, changed.module), changed.source)
 
 
 def test_there_are_faults_of_many_kinds_in_both_solvers_and_the_ground() -> None:
@@ -38,10 +40,72 @@ def test_there_are_faults_of_many_kinds_in_both_solvers_and_the_ground() -> None
     assert {"a certificate too lenient", "an error estimate too small"} <= kinds
 
 
-@pytest.mark.parametrize("source", ["", "x = 1\nx = 1\n"])
-def test_a_fault_whose_text_is_not_there_once_is_refused(source: str) -> None:
-    with pytest.raises(ValueError, match="must once"):
-        Fault("some", "a sign", "analytic.solver", "", old="x = 1", new="x = -1").put_into(source)
+def _put_into(tree: Path, source: str, old: str = "x + 2 * y", new: str = "x - 2 * y", file: str = "march/a") -> str:
+    """The source of `Beam.load` of a package with a fault in it."""
+    path = tree / f"analytic/{file}.py"
+    path.parent.mkdir(parents=True)
+    path.write_text(source)
+    changed = Fault("some", "a sign", "analytic:Beam.load", "", old, new).put_into(tree)
+    assert changed.module == f"analytic.{file.replace('/', '.')}"
+    return changed.source
+
+
+METHOD = "class Beam:\n    def load(self, x, y):\n        {}\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "changed"),
+    [
+        ("return f(x + 2 * y)", "return f((x - 2 * y))"),
+        ('"""Says x + 2 * y."""\n        return (  # x + 2 * y\n            x + 2*y)', "x - 2 * y)"),
+        ("if x + 2 * y > 0:\n            return 'ä' + g()", "if (x - 2 * y) > 0:\n            return 'ä' + g()"),
+    ],
+)
+@pytest.mark.parametrize("file", ["march/a", "modes/other/b"])
+def test_a_fault_fits_whatever_the_layout_the_docstring_and_the_file(
+    body: str, changed: str, file: str, tmp_path: Path
+) -> None:
+    before = "def other(x, y):\n    return x + 2 * y\n\n"
+    source = _put_into(tmp_path, before + METHOD.format(body), file=file)
+    assert source.startswith(before)
+    assert changed in source
+    compile(source, "some", "exec")
+
+
+@pytest.mark.parametrize(
+    ("body", "old", "new", "changed"),
+    [
+        ("return g(x) / h(y, z=1)", "... / h(...)", "2 * ... / h(...)", "return (2 * g(x) / h(y, z=1))"),
+        ("return [a, x, y, b]", "[..., x, y, ...]", "[..., y, x, ...]", "return ([a, y, x, b])"),
+        ("return x[y]", "x[...]", "x[...] + x[...]", "return (x[y] + x[y])"),
+        ("x = 1; return x", "x = 1", "x = 1\nx = 2", "        x = 1\n        x = 2; return x"),
+        (
+            "if x:\n            y()\n            z()",
+            "if x:\n    ...",
+            "if not x:\n    ...",
+            "if not x:\n            y()\n    ",
+        ),
+    ],
+)
+def test_three_dots_stand_for_anything_and_statements_keep_their_indentation(
+    body: str, old: str, new: str, changed: str, tmp_path: Path
+) -> None:
+    source = _put_into(tmp_path, METHOD.format(body), old, new)
+    assert changed in source
+    compile(source, "some", "exec")
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (METHOD.format("return y"), "fault some: `x \\+ 2 \\* y` stands 0 times in `Beam.load` of analytic.march.a"),
+        (METHOD.format("return x + 2 * y, x + 2 * y"), "stands 2 times"),
+        ("def load(x, y):\n    return x + 2 * y\n", "analytic defines no `Beam.load`"),
+    ],
+)
+def test_a_fault_that_fits_not_once_names_itself_and_where_it_looked(source: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=message):
+        _put_into(tmp_path, source)
 
 
 def test_the_record_fits_the_list_and_the_page_fits_the_record() -> None:
@@ -59,11 +123,10 @@ def _quickest(count: int) -> tuple[list[Fault], list[str]]:
 @pytest.mark.thorough
 def test_the_quickest_faults_change_verdicts_and_their_absence_does_not() -> None:
     faults, cases = _quickest(2)
-    sound = source_of(TREE, CONTROL.module)
-    changes = [Changed(fault.name, fault.module, fault.put_into(source_of(TREE, fault.module))) for fault in faults]
-    changes.append(Changed("control", CONTROL.module, CONTROL.put_into(sound)))
-    changes.append(Changed("crash", CONTROL.module, sound + "\nraise RuntimeError('on purpose')\n"))
-    trials = Trials(TREE, "quick", 2, Kept(None))
+    control = CONTROL.put_into(TREE)
+    crash = Changed("crash", control.module, control.source + "\nraise RuntimeError('on purpose')\n")
+    changes = [*(fault.put_into(TREE) for fault in faults), control, crash]
+    trials = Trials(TREE, "quick", 2, TrialJournal(None))
     seen = {changed.label: seen for changed, seen in trials.judged(changes, Order(dict.fromkeys(cases, 5.0)))}
     assert all(seen[fault.name].result is Result.CAUGHT and seen[fault.name].number for fault in faults)
     assert seen["control"].result is Result.MISSED
@@ -82,7 +145,7 @@ def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their
     path = tmp_path / "kept"
     done: list[str] = []
     for _ in range(2):
-        trials = Trials(TREE, "quick", 1, Kept(path))
+        trials = Trials(TREE, "quick", 1, TrialJournal(path))
         seen = trials.costs(["table4"], lambda case, _: done.append(case))
         assert seen["table4"].seconds > 0
         assert [case for case, _ in seen["table4"].spent] == ["table4"]
@@ -92,24 +155,24 @@ def test_the_sound_packages_are_always_run_for_what_they_compile_goes_with_their
 
 def test_a_trial_that_was_done_is_not_run_again_and_a_torn_line_is(tmp_path: Path) -> None:
     path, seen = tmp_path / "kept", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 0.5, (("textbook", 0.5),))
-    Kept(path).put("one", seen, CASES)
-    Kept(path).put("two", seen, CASES)
+    TrialJournal(path).put("one", seen, CASES)
+    TrialJournal(path).put("two", seen, CASES)
     whole = path.read_text()
     path.write_text(whole[: len(whole) - 20])
-    assert Kept(path).get("one", _some("table4", "textbook")) == seen
-    assert Kept(path).get("one", _some("table4")) is None
-    assert Kept(path).get("two", _some("textbook")) is None
+    assert TrialJournal(path).get("one", _some("table4", "textbook")) == seen
+    assert TrialJournal(path).get("one", _some("table4")) is None
+    assert TrialJournal(path).get("two", _some("textbook")) is None
 
 
 def test_a_trial_that_nothing_caught_is_run_again_if_there_are_more_cases() -> None:
-    kept = Kept(None)
+    kept = TrialJournal(None)
     missed = kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
     assert kept.get("one", _some("textbook")) == missed
     assert kept.get("one", _some("textbook", "grazing")) is None
 
 
 def test_what_a_case_saw_counts_as_long_as_its_source_is_the_same() -> None:
-    kept = Kept(None)
+    kept = TrialJournal(None)
     kept.put("one", Seen(Result.MISSED, seconds=2.0, spent=(("table4", 1.0), ("textbook", 1.0))), CASES)
     kept.put("two", Seen(Result.CAUGHT, "textbook", "a", "1", "2", 2.0, (("table4", 1.0), ("textbook", 1.0))), CASES)
     changed = {**CASES, "textbook": "another"}
