@@ -23,9 +23,9 @@ JOINTS = {
     ),
 }
 STARTS = 12
-"""Motions of each joint by the analytic solver, from rest and from tips that move at first.  How far their exponents
-scatter is what one measurement is worth: its own standard error, of one motion, is half of that at times, for chaos
-that comes and goes has few independent parts."""
+"""Motions of each joint by the analytic solver, from rest and from tips that move at first.  The scatter of their
+exponents is the uncertainty of one measurement: the standard error stated by one motion is half of that scatter at
+times, because intermittent chaos has few independent parts."""
 SPEED = 1e-3  # m/s, of the tip of the second motion; the third has twice as much, and so on
 MOST = 10  # of the motions must be certified, from which the exponent is taken
 PROBABILITY = 0.99  # with which the interval of an exponent holds it
@@ -40,20 +40,8 @@ def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> St
 
 
 def exponents(several: Sequence[Exponent], single: Exponent) -> tuple[Estimate, Estimate]:
-    """The mean of several measurements, and a single one, with intervals from how far the several scatter.
-
-    Parameters
-    ----------
-    several : sequence of Exponent
-        Of motions that begin differently.
-    single : Exponent
-        Of one motion, by another solver.
-
-    Returns
-    -------
-    tuple of Estimate
-        Both exponents, 1/s.
-    """
+    """Mean exponent of several motions that begin differently, and the exponent of one by another solver, both in 1/s,
+    with intervals from the scatter of the several."""
     values = np.array([exponent.value for exponent in several])
     times = np.array([exponent.time for exponent in several])
     factor = float(student_t.ppf((1 + PROBABILITY) / 2, values.size - 1))

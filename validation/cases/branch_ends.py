@@ -46,20 +46,7 @@ def tight() -> Problem:
 
 
 def gaps_of(intervals: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:
-    """The parts of a range that no interval covers.
-
-    Parameters
-    ----------
-    intervals : list of tuple of float
-        The lower and the upper end of each.
-    low, high : float
-        The range.
-
-    Returns
-    -------
-    list of tuple of float
-        The lower and the upper end of each part.
-    """
+    """Lower and upper end of each part of the range from `low` to `high` that no interval covers."""
     found, covered = [], low
     for first, last in [*sorted(intervals), (high, high)]:
         if first - covered > LEAST * (high - low):

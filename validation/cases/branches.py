@@ -128,18 +128,7 @@ SAME = 1e-5
 
 
 def cantilever(amplitude: float) -> Problem:
-    """The cantilever under its stop.
-
-    Parameters
-    ----------
-    amplitude : float
-        Of its base, m.
-
-    Returns
-    -------
-    Problem
-        The joint.
-    """
+    """The cantilever under its stop, with a base of the given amplitude in m."""
     return Problem(
         title="Cantilever that comes to its stop",
         beam=Beam(length=BEAM.length, bending_stiffness=BEAM.stiffness, mass_per_length=BEAM.mass),

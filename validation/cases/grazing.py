@@ -45,10 +45,8 @@ def highest(solver: analytic.Solver | fe_lapjoint.Solver) -> tuple[float, float]
 
 
 def three_modes() -> Callable[[float], int]:
-    """How many crossings `solve_ivp` reports when it integrates the three lowest modes with the gap as its event.
-
-    The gap lies a given depth below the highest point of this three-mode motion, over it, so that two crossings exist.
-    """
+    """A function of the depth, m, that counts the crossings `solve_ivp` reports for the three lowest modes with the gap
+    as its event; two exist, for the gap lies that depth below the highest point of this motion."""
     modes = analytic.Solver().modes(FREE_FLIGHT, FREE, 3)
     omega, tip = modes.angular_frequencies, modes.shapes(np.array([BEAM.length]))[:, 0]
     x, w = np.polynomial.legendre.leggauss(60)

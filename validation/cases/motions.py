@@ -54,11 +54,8 @@ def complete(history: History, count: int) -> list[Contact]:
 def contact_estimates(
     contacts: Sequence[Sequence[Contact]], ratio: float, order: float, refined: Refined, i: int
 ) -> dict[str, Estimate]:
-    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.
-
-    Changes may cancel by chance.  So errors are carried on, none is taken for surer than those before it; and where the
-    finest solution states errors of its own, none is taken for surer than these.
-    """
+    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.  Changes may cancel by chance,
+    so no solution is taken for more certain than a coarser one, or than the errors that the finest solution states."""
 
     def estimate(field: str, j: int) -> Estimate:
         found = refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
@@ -96,10 +93,8 @@ def _carried(estimates: Sequence[Estimate]) -> Estimate:
 def compare_contacts(
     problem: Problem, duration: float, count: int, finest: int, cap: float | None = None, stated: bool = False
 ) -> tuple[list[Check], History, History]:
-    """Checks of the first `count` contacts, and the finest histories of both solvers.
-
-    With `stated`, errors that the finest solutions state of themselves are heeded, at the cost of a march finer still.
-    """
+    """Checks of the first `count` contacts, and the finest histories of both solvers; with `stated`, the errors that
+    the finest solutions state are respected, at the cost of one finer march."""
 
     def marched(solvers: Sequence[Solver]) -> list[History]:
         return [one.simulate(problem, duration, errors=stated and one is solvers[-1]) for one in solvers]

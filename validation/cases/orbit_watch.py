@@ -248,10 +248,8 @@ def carried(pair: FloatArray) -> float:
 
 
 def edges(it: Known) -> FloatArray:
-    """Where intervals begin and end, s, as the times from and to the switches of each stop tell; NaN where none does.
-
-    Shape ``(2, P, I)``.
-    """
+    """Start and end of every interval, in s, from the times to the switches of each stop, shape (2, P, I); NaN where no
+    switch tells."""
     found, intervals, length = it.orbit.watch.switches, it.orbit.watch.intervals, it.length
     tiny = 1e-9 * length  # so that the ends of the orbit stay where they are
     both = np.full((2, intervals.stop.size), math.nan)

@@ -52,13 +52,7 @@ def damped_joint() -> Problem:
 
 
 def check_peers(names: tuple[str, ...]) -> None:
-    """See to it that every peer is installed and answers.
-
-    Raises
-    ------
-    InputError
-        If one does not.
-    """
+    """Raise InputError unless every peer is installed and answers."""
     for name in names:
         try:
             named_solver(name).modes(paper_joint(), FREE, 1)

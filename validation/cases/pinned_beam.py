@@ -158,10 +158,8 @@ def compared(label: str, text: str) -> list[Check]:
 
 
 def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
-    """Centre and turn of a free beam: elastic modes carry neither, so both obey the equations of a rigid body.
-
-    Under viscous damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body.
-    """
+    """Centre and turn of a free beam obey the equations of a rigid body, as elastic modes carry neither.  Under viscous
+    damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body."""
     problem = from_toml(FREE.format(kind=kind, value=value))
     L, m, Y, w, phase, force, at, t = 1.6, 3.768, 1.5e-3, 95.0, 1.1, 42.0, 1.2, DURATION
     # Of a constant acceleration of one, and of a base that moves.

@@ -46,18 +46,8 @@ SHARE = {"analytic": 1.0, "fe": 0.25}
 
 
 def bar(band: tuple[float, float]) -> Problem:
-    """The oscillator as a bar.
-
-    Parameters
-    ----------
-    band : tuple of float
-        Where the excitation begins and ends, Hz.
-
-    Returns
-    -------
-    Problem
-        With its stops first, then those that count.
-    """
+    """The oscillator as a bar under excitation in a band of Hz: its elastic stops first, then the stops that count
+    crossings."""
     it, per_mass = OSCILLATOR, INERTIA / LENGTH**2
     spring = it.omega**2 * INERTIA
     density = 4 * math.pi * it.density / 1.5**2  # one-sided, per Hz, of the base
@@ -79,18 +69,8 @@ def bar(band: tuple[float, float]) -> Problem:
 
 
 def bias(band: tuple[float, float]) -> tuple[float, float]:
-    """What a band leaves out of the root mean squares of u and u', measured on the oscillator without stops.
-
-    Parameters
-    ----------
-    band : tuple of float
-        Where it begins and ends, Hz.
-
-    Returns
-    -------
-    float, float
-        Relative to white noise.
-    """
+    """What a band (Hz) leaves out of the root mean squares of u and u', relative to white noise, measured on the
+    oscillator without stops."""
     x, w = np.polynomial.legendre.leggauss(40)
     edges = 2 * math.pi * np.concatenate([np.linspace(band[0], 10.0, 60), np.geomspace(10.0, band[1], 30)[1:]])
     half = np.diff(edges)[:, None] / 2
@@ -104,26 +84,8 @@ def bias(band: tuple[float, float]) -> tuple[float, float]:
 def shaken(
     solver: str, options: dict[str, int], duration: float, exact: dict[str, float], say: Say
 ) -> tuple[xr.Dataset, tuple[float, float], float]:
-    """Statistics under the first band that leaves out little enough.
-
-    Parameters
-    ----------
-    solver : str
-        Its entry-point name.
-    options : dict
-        Its numerical options.
-    duration : float
-        Of each motion, s.
-    exact : dict of str to float
-        The root mean squares of u and u', by their names in the dataset.
-    say : callable
-        Takes a line of progress.
-
-    Returns
-    -------
-    xarray.Dataset, tuple of float, float
-        The statistics, the band, Hz, and the larger bias of the two over its interval.
-    """
+    """Statistics over `duration` s under the first band that leaves out little enough, that band in Hz, and the larger
+    bias of u and u' over its interval; `exact` holds both root mean squares by their names in the dataset."""
 
     def over_interval(band: tuple[float, float]) -> float:
         return max(left_out / width for left_out, width in zip(bias(band), widths, strict=True))

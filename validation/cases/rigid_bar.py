@@ -239,10 +239,8 @@ def _closings(history: History) -> int:
 
 
 def to_the_limit(soft: FloatArray, stiff: FloatArray, kinds: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Numbers of the rigid bar from those of two beams, and their uncertainty.
-
-    What bending does is proportional to 1 / EI, and the uncertainty a part of the largest change of a kind.
-    """
+    """Numbers of the rigid bar from those of two beams, and their uncertainty.  The effect of bending is proportional
+    to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
     change = stiff - soft
     largest = {kind: np.max(np.abs(change[[k == kind for k in kinds]])) for kind in kinds}
     return stiff + change / (RATIO - 1), np.array([UNSURE.get(kind, CURVED) * largest[kind] for kind in kinds])
@@ -283,9 +281,7 @@ def growth_on_orbit(
     label: str, solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, steady: SteadyState
 ) -> Iterator[Check]:
     """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| over time.
-
-    The impulses of the same marches, which the mean over a motion that does not repeat is made of, are compared too.
-    """
+    The impulses of these marches are compared too."""
     period_map = solver.period_map(problem)
     start = steady.section_point
     deviation = np.ones(period_map.difference(start, start).size)

@@ -59,18 +59,7 @@ class Mass:
         return self.stop * self.speed / omega, math.pi / omega, 2 * self.stop * self.speed / omega**2
 
     def beam(self, bending_stiffness: float) -> Problem:
-        """The mass as a beam.
-
-        Parameters
-        ----------
-        bending_stiffness : float
-            EI, N m2.
-
-        Returns
-        -------
-        Problem
-            1 m long, with spring and stop at its middle.
-        """
+        """The mass as a beam 1 m long of bending stiffness EI, N m2, with spring and stop at its middle."""
         return Problem(
             title="SDND101 (V5.01.101): a mass thrown against an elastic stop",
             beam=Beam(length=1.0, bending_stiffness=bending_stiffness, mass_per_length=self.mass),

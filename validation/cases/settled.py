@@ -82,9 +82,9 @@ JOINTS = {
         "Equal gaps, light damping", 2.555, 0.02, (1.0, "top", 9.873e-4, 100.0), (1.0, "bottom", 9.873e-4, 100.0)
     ),
 }
-"""Of the first, a stable motion without contact exists, and the march seems near it early on.  Of the second, a stable
-motion of one period exists, but rest is not in its basin.  Of the third, no motion mirrors itself; that of the fourth
-does, and a search that misses that says that its motion is not symmetric, though half of it mirrors the other half."""
+"""The first has a stable motion without contact, near which a march seems to be early on.  The second has a stable
+motion of one period, but rest is not in its basin.  No motion of the third mirrors itself.  The motion of the fourth
+mirrors itself, and a search that misses this calls it not symmetric."""
 
 CHAOTIC = {"chaos": joint("Never the same again", 5.8, 0.008, (1.0, "top", 6e-3, 200.0))}
 """Its exponent is ten standard errors above zero, and no stable motion was found beside it."""

@@ -68,20 +68,7 @@ kind of processor draws anew."""
 
 
 def joint(seed: int, moved: float = 0.0) -> Problem:
-    """The beam.
-
-    Parameters
-    ----------
-    seed : int
-        Of the excitation.
-    moved : float
-        Initial velocity of its tip, m/s.
-
-    Returns
-    -------
-    Problem
-        1 m long.
-    """
+    """The beam, 1 m long, under the excitation of a seed; `moved` is the initial velocity of its tip, m/s."""
     return Problem(
         title="Cantilever between two stiff stops under random motion of its base",
         beam=Beam(length=1.0, bending_stiffness=100.0, mass_per_length=1.0),

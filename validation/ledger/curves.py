@@ -52,10 +52,8 @@ class Curve:
 
     @cached_property
     def longest_contact(self) -> FloatArray:
-        """The longest contact at each point over the excitation period, shape ``(n,)``.
-
-        A contact cut by the ends of the motion that is kept counts whole.
-        """
+        """The longest contact at each point over the excitation period, shape (n,); a contact cut by the ends of the
+        recorded motion counts whole."""
         counts = self.dataset.contact_count.values
         owner = np.repeat(np.arange(counts.size), counts)
         stops = self.dataset.contact_stop.values

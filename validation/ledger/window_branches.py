@@ -39,38 +39,13 @@ class Window:
 
 
 def window(solver: str, first: float, last: float) -> Window:
-    """Follow the motion through a window.
-
-    Parameters
-    ----------
-    solver : str
-        Entry-point name of the solver.
-    first, last : float
-        The window, rad/s.
-
-    Returns
-    -------
-    Window
-        A branch that does not lead through it counts as a change, and as a broken symmetry.
-    """
+    """Follow the motion of a solver through a window from `first` to `last`, rad/s; a branch that does not lead through
+    it counts as a change, and as a broken symmetry."""
     return in_window(_branches(solver), first, last)
 
 
 def in_window(found: xr.Dataset, first: float, last: float) -> Window:
-    """What branches do in a window.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        Branches over the excitation frequency.
-    first, last : float
-        The window, rad/s.
-
-    Returns
-    -------
-    Window
-        Of all of them.
-    """
+    """What all branches over the excitation frequency do between `first` and `last`, rad/s."""
     omega, number = found.angular_frequency.values, found.branch.values
     changes = broken = 0
     through = False

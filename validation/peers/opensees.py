@@ -66,17 +66,13 @@ class Solver:
         return f"OpenSees ({self.elements} elements, dt = {self.dt:g} s)"
 
     def refined(self, factor: float) -> Solver:
-        """The same solver with `factor` times the elements and a step shorter by `factor`.
-
-        See `lapjoint.solver.Solver.refined`.
-        """
+        """This solver with `factor` times the elements and a time step shorter by `factor`.  See
+        `lapjoint.solver.Solver.refined`."""
         return replace(self, elements=max(1, math.ceil(self.elements * factor)), dt=self.dt / factor)
 
     def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
-        """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.
-
-        See `lapjoint.solver.Solver.modes`.
-        """
+        """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.  See
+        `lapjoint.solver.Solver.modes`."""
         from validation.peers import opensees_answers
 
         return opensees_answers.modes(self, problem, state, count)
@@ -84,10 +80,8 @@ class Solver:
     def simulate(
         self, problem: Problem, duration: float, *, errors: bool = True, progress: Progress | None = None
     ) -> History:
-        """The motion from rest over `duration` seconds; `errors` is not used, none are estimated.
-
-        See `lapjoint.solver.Solver.simulate`.
-        """
+        """The motion from rest over `duration` s.  No errors are estimated and `errors` is not used.  See
+        `lapjoint.solver.Solver.simulate`."""
         if not (math.isfinite(duration) and duration > 0):
             raise InputError(f"duration = {duration!r}: must be positive and finite, in s")
         check_problem(problem)
@@ -106,13 +100,8 @@ class Solver:
         errors: bool = True,
         progress: Progress | None = None,
     ) -> SteadyState:
-        """The motion that a march from rest settles to: the first that comes back to itself; see `repeats`.
-
-        Nothing is certified: there are no Floquet multipliers and no exponent, and no errors are estimated.  `start`,
-        `sensitivity` and `errors` are not used.
-
-        See `lapjoint.solver.Solver.steady_state`.
-        """
+        """The first motion that a march from rest repeats, to within `repeats`, without multipliers, exponent and
+        errors; `start`, `sensitivity` and `errors` are not used.  See `lapjoint.solver.Solver.steady_state`."""
         period = problem.require_excitation_period("steady state")
         check_problem(problem)
         if period / self.dt > MOST_STEPS:

@@ -59,24 +59,8 @@ class Options(Protocol):
 
 
 def modes(solver: Options, problem: Problem, state: ContactState, count: int) -> Modes:
-    """The lowest modes of a contact state, mass-normalised.
-
-    Parameters
-    ----------
-    solver : Options
-        Its options.
-    problem : Problem
-        The joint.
-    state : ContactState
-        Which stops are closed.
-    count : int
-        How many modes.
-
-    Returns
-    -------
-    Modes
-        Angular frequencies, rad/s, ascending, and shapes, kg^-1/2.
-    """
+    """The lowest `count` modes of a contact state: angular frequencies, rad/s, ascending, and mass-normalised shapes,
+    kg^-1/2."""
     free = 2 * mesh(problem, solver.elements).size
     free -= sum(math.isinf(k) for s in problem.supports for k in (s.translational, s.torsional))
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= free:
@@ -89,24 +73,8 @@ def modes(solver: Options, problem: Problem, state: ContactState, count: int) ->
 
 
 def simulate(solver: Options, problem: Problem, duration: float, progress: Progress | None) -> History:
-    """The motion from rest.
-
-    Parameters
-    ----------
-    solver : Options
-        Its options.
-    problem : Problem
-        One that `check_problem` accepts.
-    duration : float
-        Length of the motion, s.
-    progress : callable, optional
-        Called at the start and at the end with the time marched and the duration, s.
-
-    Returns
-    -------
-    History
-        From 0 to `duration`.
-    """
+    """The motion from rest over `duration` s; `progress` is called at the start and at the end with the time marched
+    and the duration, s."""
     if progress is not None:
         progress(0.0, duration)
     history = history_of(problem, solver.name, ask("motion", problem, solver.elements, duration, solver.dt))

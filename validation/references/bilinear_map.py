@@ -78,36 +78,13 @@ class Piece:
         return values.astype(complex), vectors.astype(complex), np.linalg.inv(vectors.astype(complex))
 
     def transfer(self, t: float | Array) -> Array:
-        """What becomes of (u - level, u') without load in a time.
-
-        Parameters
-        ----------
-        t : float or Array
-            s, of any shape.
-
-        Returns
-        -------
-        Array, shape t.shape + (2 n, 2 n)
-            In m and m/s.
-        """
+        """Transfer matrix of (u - level, u'), m and m/s, without load over times `t`, s: shape t.shape + (2 n, 2 n)."""
         values, vectors, inverse = self._modes
         return np.asarray(((vectors * np.exp(np.multiply.outer(t, values))[..., None, :]) @ inverse).real)
 
     def response(self, omega: float, force: float | Array) -> npt.NDArray[np.complex128]:
-        """Complex amplitude of the steady motion under a harmonic force.
-
-        Parameters
-        ----------
-        omega : float
-            rad/s.
-        force : float or Array
-            N, shape ``(n,)``.
-
-        Returns
-        -------
-        ComplexArray, shape (n,)
-            m.
-        """
+        """Complex amplitude, m, shape (n,), of the steady motion under a harmonic force, N, shape (n,), at `omega`
+        rad/s."""
         M, C, K = (np.atleast_2d(one) for one in (self.mass, self.damping, self.stiffness))
         return np.asarray(np.linalg.solve(K - omega**2 * M + 1j * omega * C, np.atleast_1d(force).astype(complex)))
 
@@ -184,18 +161,7 @@ class BilinearMap:
         return self.motions(np.array([d]))[0]
 
     def motions(self, d: Array) -> list[OneContact]:
-        """The motions of several durations of contact.
-
-        Parameters
-        ----------
-        d : Array, shape (m,)
-            s, above zero and below the period.
-
-        Returns
-        -------
-        list of OneContact
-            As many.
-        """
+        """The motion of each duration of contact, `d` in s, shape (m,), above zero and below the period."""
         size, count = 2 * self.free.count, d.size
         # At the stop (u, u') = touch + along . s, with s of 2 n - 1 numbers.
         touch, along = self.gap * self._row / (self._row @ self._row), null_space(self._row[None, :])
@@ -247,38 +213,14 @@ class BilinearMap:
         return np.eye(size) + jumps
 
     def state(self, motion: OneContact, t: float) -> Array:
-        """u and u' of a motion at a time since its contact began.
-
-        Parameters
-        ----------
-        motion : OneContact
-            The motion.
-        t : float
-            s; of any size.
-
-        Returns
-        -------
-        Array, shape (2 n,)
-            m and m/s.
-        """
+        """u and u' of a motion, m and m/s, shape (2 n,), `t` s (of any size) after its contact began."""
         turns, t = divmod(t, self.period)
         piece, start, deviation, load = self._begins(motion, t < motion.duration)
         now = piece.transfer(t - start) @ deviation + self._wave(piece)(t) @ load + piece.rest
         return np.asarray(self._sign**turns * now)
 
     def start(self, motion: OneContact) -> Array:
-        """u and u' where the load's phase is zero.
-
-        Parameters
-        ----------
-        motion : OneContact
-            The motion.
-
-        Returns
-        -------
-        Array, shape (2 n,)
-            m and m/s.
-        """
+        """u and u' of a motion, m and m/s, shape (2 n,), where the phase of the load is zero."""
         return self.state(motion, -motion.phase / self.omega)
 
     def _begins(self, motion: OneContact, pressed: bool) -> tuple[Piece, float, Array, Array]:

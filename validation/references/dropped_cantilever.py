@@ -54,18 +54,8 @@ class Family:
 
 
 def quadrature(modes: int) -> tuple[Array, Array]:
-    """Points and weights along the beam, m: eight to each half wave of the highest mode.
-
-    Parameters
-    ----------
-    modes : int
-        Modes in each state.
-
-    Returns
-    -------
-    Array, Array
-        Points and weights, m, shape ``(points,)`` each.
-    """
+    """Points and weights along the beam, m, shape (points,) each: eight points to each half wave of the highest
+    mode."""
     x, w = np.polynomial.legendre.leggauss(8)
     edges = np.linspace(0.0, LENGTH, modes + 2)
     half = np.diff(edges)[:, None] / 2
@@ -73,20 +63,7 @@ def quadrature(modes: int) -> tuple[Array, Array]:
 
 
 def family(spring: float, modes: int) -> Family:
-    """The cantilever with a spring of some stiffness, N/m, at its tip.
-
-    Parameters
-    ----------
-    spring : float
-        Stiffness of the spring at the tip, N/m.
-    modes : int
-        Modes in each state.
-
-    Returns
-    -------
-    Family
-        Its modes and static deflection.
-    """
+    """Modes and static deflection of the cantilever with a spring, N/m, at its tip."""
     kappa = spring * LENGTH**3 / EI
     x, w = quadrature(modes)
 
@@ -137,50 +114,18 @@ class Stay:
     """Their rates over omega."""
 
     def q(self, s: float) -> Array:
-        """Modal coordinates s seconds later.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        Array, shape (n,)
-            kg^1/2 m.
-        """
+        """Modal coordinates `s` seconds after the start of the stay, kg^1/2 m, shape (n,)."""
         angle = self.state.omega * s
         return np.asarray(self.a * np.cos(angle) + self.b * np.sin(angle))
 
     def v(self, s: float) -> Array:
-        """Their rates.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        Array, shape (n,)
-            kg^1/2 m/s.
-        """
+        """Modal velocities `s` seconds after the start of the stay, kg^1/2 m/s, shape (n,)."""
         angle = self.state.omega * s
         return np.asarray(self.state.omega * (self.b * np.cos(angle) - self.a * np.sin(angle)))
 
     def beyond(self, s: float) -> float:
-        """How far the tip is beyond the gap, m.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        float
-            m; negative while the stop is not reached.
-        """
+        """How far the tip is beyond the gap `s` seconds after the start of the stay, m; negative while the stop is not
+        reached."""
         return -float(self.state.static_tip + self.state.tip @ self.q(s)) - GAP
 
     def end(self) -> float:
@@ -193,39 +138,14 @@ class Stay:
             before, s = now, s + _STEP
 
     def impulse(self, s: float) -> float:
-        """Time integral of the stop's force over the first s seconds, N s.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        float
-            N s.
-        """
+        """Time integral of the stop's force over the first `s` seconds of the stay, N s."""
         angle = self.state.omega * s
         waves = (self.state.tip / self.state.omega) @ (self.a * np.sin(angle) + self.b * (1 - np.cos(angle)))
         return STIFFNESS * (-(self.state.static_tip + GAP) * s - float(waves))
 
     def next(self, s: float, other: Family, weights: Array) -> Stay:
-        """The motion in the other state: displacement and velocity are carried over.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-        other : Family
-            The other state.
-        weights : Array
-            Weights of the quadrature, m, shape ``(points,)``.
-
-        Returns
-        -------
-        Stay
-            From the switch on.
-        """
+        """The motion in the other state from `s` seconds on: displacement and velocity are carried over by quadrature
+        of `weights`, m, shape (points,)."""
         carry = MASS * (other.shapes * weights) @ self.state.shapes.T
         moved = MASS * (other.shapes @ (weights * (self.state.static - other.static)))
         return Stay(other, not self.closed, self.start + s, carry @ self.q(s) + moved, carry @ self.v(s) / other.omega)

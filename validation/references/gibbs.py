@@ -43,18 +43,7 @@ class Gibbs:
         return math.sqrt(math.pi * self.density / self.gamma)
 
     def potential(self, u: Array) -> Array:
-        """U, per unit mass.
-
-        Parameters
-        ----------
-        u : Array, shape (n,)
-            Displacements, m.
-
-        Returns
-        -------
-        Array, shape (n,)
-            m2/s2.
-        """
+        """U per unit mass, m2/s2, at displacements `u`, m, shape (n,) both."""
         beyond = self.top[1] * np.maximum(u - self.top[0], 0.0) ** 2
         beyond = beyond + self.bottom[1] * np.maximum(-u - self.bottom[0], 0.0) ** 2
         return np.asarray((self.omega**2 * u**2 + beyond) / 2)
@@ -69,18 +58,7 @@ class Gibbs:
         return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
 
     def mean(self, power: int) -> float:
-        """A moment of the displacement.
-
-        Parameters
-        ----------
-        power : int
-            Of u.
-
-        Returns
-        -------
-        float
-            The mean of u^power, m^power.
-        """
+        """The mean of u^power, m^power."""
         u, w = self._grid()
         p = np.exp(-self.potential(u) / self.speed**2)
         return float((w * p) @ u**power / (w @ p))

@@ -24,18 +24,7 @@ class LogLogDensity:
     """Frequency, Hz, and density, the square of a unit over Hz; ascending; nothing lies outside of them."""
 
     def at(self, f: Array) -> Array:
-        """The density.
-
-        Parameters
-        ----------
-        f : Array, shape (n,)
-            Frequencies, Hz.
-
-        Returns
-        -------
-        Array, shape (n,)
-            Square of the unit over Hz.
-        """
+        """The density, square of the unit over Hz, at frequencies `f`, Hz, shape (n,) both."""
         found = np.zeros(f.size)
         for (f1, s1), (f2, s2) in zip(self.breakpoints, self.breakpoints[1:], strict=False):
             here = (f >= f1) & (f <= f2)

@@ -171,24 +171,7 @@ class PinnedBeam:
         return m * shapes @ (w * along("displacement")), m * shapes @ (w * along("velocity"))
 
     def evaluate(self, x: float, t: float, dx: int = 0, dt: int = 0) -> float:
-        """z at x and t, or a derivative, dx up to 3 and dt up to 1.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-        dx : int
-            Order of the x-derivative, up to 3.
-        dt : int
-            Order of the t-derivative, up to 1.
-
-        Returns
-        -------
-        float
-            m^(1 - dx) s^-dt.
-        """
+        """z at x, m, and t, s, or its derivative of order dx, up to 3, and dt, up to 1: m^(1 - dx) s^-dt."""
         omega, decay = self.omega, self._decay
         q, v = self._initial
         total, rest = 0.0, np.zeros(_TERMS)
@@ -205,55 +188,17 @@ class PinnedBeam:
         return total + float(self._sines(x, dx) @ rest)
 
     def moment(self, x: float, t: float) -> float:
-        """EI z'', N m.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """EI z'' at x, m, and t, s, in N m."""
         return self._beam[1] * self.evaluate(x, t, 2)
 
     def shear(self, x: float, t: float) -> float:
-        """EI z''', N.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N.
-        """
+        """EI z''' at x, m, and t, s, in N."""
         return self._beam[1] * self.evaluate(x, t, 3)
 
 
 def accelerations(quantity: str, time: Array, values: Array) -> tuple[Array, Array]:
-    """The acceleration of a recorded motion, which is linear between knots.
-
-    Parameters
-    ----------
-    quantity : str
-        What was recorded: acceleration, velocity or displacement.
-    time, values : ndarray, shape (n,)
-        The samples, s and m over powers of s.
-
-    Returns
-    -------
-    knots, acceleration : ndarray, shape (K,)
-        s and m/s2.
-    """
+    """Knots, s, and acceleration, m/s2, shape (K,), linear between them, of samples, shape (n,), of an acceleration,
+    velocity or displacement at `time`, s."""
     if quantity == "acceleration":
         return time, values
     if quantity == "displacement":

@@ -91,18 +91,7 @@ class RigidBar:
         return any(s["x"] == 0 and math.isinf(s.get("translational", 0.0)) for s in self.tables.get("supports", ()))
 
     def N(self, x: float | Array) -> Array:
-        """Displacement at x by each coordinate, shape ``(n,)`` or ``(places, n)``.
-
-        Parameters
-        ----------
-        x : float or Array
-            Positions, m.
-
-        Returns
-        -------
-        Array, shape (n,) or (places, n)
-            Without unit.
-        """
+        """Displacement at x, m, per unit of each coordinate, shape (n,) or (places, n)."""
         part = np.asarray(x, dtype=float) / self.length
         return np.stack([part] if self.pinned else [1 - part, part], axis=-1)
 
@@ -159,20 +148,8 @@ class RigidBar:
         return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
     def gap_function(self, k: int, u: Array) -> Array:
-        """sign z - gap of a stop, m: positive where it is pressed.
-
-        Parameters
-        ----------
-        k : int
-            Which stop.
-        u : Array
-            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
-
-        Returns
-        -------
-        Array, shape () or (m,)
-            m.
-        """
+        """sign z - gap of stop k, m, positive where it is pressed, of the shape of `u` (m, (n,) or (n, times)) without
+        n."""
         return np.asarray(self.stops[k]["sign"] * (self.rows[k] @ u) - self.stops[k]["gap"])
 
     @cached_property
@@ -208,41 +185,14 @@ class RigidBar:
         return np.full(omega.size, c / (2 * self.mass_per_length))
 
     def matrices(self, closed: Closed) -> tuple[Array, Array, Array]:
-        """Damping and stiffness matrix of a contact state, and where the bar rests in it without periodic loads.
-
-        Parameters
-        ----------
-        closed : frozenset of int
-            The closed stops.
-
-        Returns
-        -------
-        tuple of Array
-            C, N s/m, and K, N/m, shape ``(n, n)``; displacements at rest, m, shape ``(n,)``.
-        """
+        """C (N s/m) and K (N/m) of a contact state, shape (n, n), and where the bar rests in it without periodic loads
+        (m)."""
         modes, omega, decay, constant = self._state(closed)
         C, K = (self.M @ (modes * one) @ modes.T @ self.M for one in (2 * decay, omega**2))
         return C, K, modes @ (modes.T @ constant / omega**2)
 
     def flow(self, closed: Closed, start: float, u: Array, v: Array) -> Callable[[Array, int], Array]:
-        """The motion in one contact state from u and v at a time, as `Flow.motion`.
-
-        Parameters
-        ----------
-        closed : frozenset of int
-            The closed stops.
-        start : float
-            When, s.
-        u : Array
-            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
-        v : Array
-            Velocities of the coordinates, m/s, shape ``(n,)``.
-
-        Returns
-        -------
-        callable
-            As `Flow.motion`.
-        """
+        """The motion in one contact state from u (m) and v (m/s), shape (n,), at `start` (s), like `Flow.motion`."""
         modes, omega, decay, constant = self._state(closed)
         rest = modes.T @ constant / omega**2
         waves = [
@@ -277,22 +227,8 @@ class RigidBar:
         return np.asarray(u), np.asarray(v)
 
     def march(self, duration: float, u: Array | None = None, v: Array | None = None) -> BarMotion:
-        """The motion over a time, s, from the initial state or from u and v at t = 0.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-        u : Array, optional
-            Displacements at t = 0, m, shape ``(n,)``; those of the file if not given.
-        v : Array, optional
-            Velocities at t = 0, m/s, shape ``(n,)``.
-
-        Returns
-        -------
-        BarMotion
-            From 0 to the duration.
-        """
+        """The motion over `duration` s from u (m) and v (m/s), shape (n,), at t = 0, or from the file's initial
+        state."""
         if u is None or v is None:
             u, v = self.initial
         closed = frozenset(k for k in range(len(self.stops)) if self._pressed(k, u, v))
@@ -350,22 +286,7 @@ class RigidBar:
         return np.asarray(t[first - 1 : first + 1])
 
     def moment(self, x: float, t: float, flow: Flow) -> float:
-        """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-        flow : Flow
-            The flow of that time.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """Bending moment EI z'' at x (m) and t (s), N m, by the balance of all forces beyond x; `flow` is that of t."""
         now = np.array([t])
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
@@ -412,22 +333,7 @@ class BarMotion:
         return np.concatenate([self.u, self.v])
 
     def evaluate(self, x: float, t: Array, derivative: int = 0) -> Array:
-        """z(x, t), m, or a derivative by time, at times of shape ``(m,)``.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : Array
-            Times, s, shape ``(m,)``.
-        derivative : int
-            Order of the t-derivative.
-
-        Returns
-        -------
-        Array, shape (m,)
-            m s^-derivative.
-        """
+        """z(x, t), m, or its time derivative, m s^-derivative, at `t`, s, shape (m,)."""
         result = np.empty(t.size)
         for flow in self.flows:
             here = (t >= flow.start) & (t <= flow.end)
@@ -482,18 +388,5 @@ class BarMotion:
         return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())
 
     def moment(self, x: float, t: float) -> float:
-        """Bending moment EI z'' at x and t, N m.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """Bending moment EI z'' at x, m, and t, s, in N m."""
         return self.bar.moment(x, t, next(flow for flow in self.flows if flow.start <= t <= flow.end))

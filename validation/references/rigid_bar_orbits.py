@@ -46,22 +46,8 @@ def period_multiple(bar: RigidBar, settle: int = 60, most: int = 6) -> int:
 
 
 def linearised(bar: RigidBar, y: Array, periods: int = 1) -> tuple[BarMotion, Array]:
-    """A march over some periods from (u, v), and the derivative of its end by its start, by differences.
-
-    Parameters
-    ----------
-    bar : RigidBar
-        The bar.
-    y : Array
-        (u, v) at the start, shape ``(2 n,)``.
-    periods : int
-        Excitation periods.
-
-    Returns
-    -------
-    BarMotion, Array of shape (2 n, 2 n)
-        The march, and the derivative.
-    """
+    """A march over some excitation periods from y = (u, v), shape (2 n,), and the derivative of its end by its start,
+    shape (2 n, 2 n), by differences."""
     scale = np.repeat([1.0, 2 * math.pi / bar.period], y.size // 2) * _size(bar, y) * _DIFFERENCE
 
     def end(start: Array) -> Array:
@@ -72,18 +58,8 @@ def linearised(bar: RigidBar, y: Array, periods: int = 1) -> tuple[BarMotion, Ar
 
 
 def multipliers(motion: BarMotion) -> Array:
-    """Floquet multipliers over a whole motion that closes.
-
-    Parameters
-    ----------
-    motion : BarMotion
-        The motion, over whole periods of the excitation.
-
-    Returns
-    -------
-    Array, shape (2 n,)
-        The largest modulus first; complex.
-    """
+    """Floquet multipliers, complex, shape (2 n,), largest modulus first, of a motion that closes over whole excitation
+    periods."""
     first, bar = motion.flows[0], motion.bar
     y = np.concatenate([first.motion(np.array([0.0]), d)[:, 0] for d in (0, 1)])
     found = np.linalg.eigvals(linearised(bar, y, round(motion.flows[-1].end / bar.period))[1])

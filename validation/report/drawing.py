@@ -18,22 +18,8 @@ COLOURS = {"analytic": PALETTE[0], "fe": PALETTE[1], "paper": "#666666", "third"
 
 
 def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WIDTH, height: float = 3.4) -> Drawing:
-    """A figure of one Axes that `paint` fills.
-
-    Parameters
-    ----------
-    title : str
-        What the figure is called, for readers who do not see it too.
-    paint : callable
-        Draws on the axes that it is given.
-    width, height : float
-        Size, inches.
-
-    Returns
-    -------
-    Drawing
-        The figure as SVG.
-    """
+    """A figure of one Axes that `paint` fills, width by height in inches, as SVG; `title` names it for readers who do
+    not see it."""
     axes = new_axes(width, height)
     with style():
         paint(axes)

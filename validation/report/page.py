@@ -185,18 +185,7 @@ def short(value: float, digits: int = 2) -> str:
 
 
 def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
-    """The figure for the first screen.
-
-    Parameters
-    ----------
-    shown : sequence of View
-        The cases.
-
-    Returns
-    -------
-    tuple of str, or None
-        Its title and its SVG; None where no case of `PICTURED` has one.
-    """
+    """Title and SVG of the figure for the first screen; None where no case of `PICTURED` has one."""
     found = {view.result.name: view.result.drawings[0] for view in shown if view.result.drawings}
     return next(((found[name].title, own_ids(found[name].svg, "first")) for name in PICTURED if name in found), None)
 

@@ -115,18 +115,7 @@ def tightest(result: CaseResult) -> Check | None:
 
 
 def summary_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """A row for each case.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        All cases.
-
-    Returns
-    -------
-    Sheet
-        Verdict, counts, largest difference over allowed, and run time, s.
-    """
+    """A row for each case: verdict, counts, largest difference over allowed, and run time, s."""
     rows: list[tuple[Cell, ...]] = []
     for result in results:
         worst, found = tightest(result), counts(result)
