@@ -16,9 +16,10 @@ from lapjoint.problem import FloatArray
 from lapjoint.solver import Solver
 
 SAME = 1e-2
-"""Of the largest impulse: motions of two solvers that differ by less are one; those side by side differ by far more."""
+"""Largest difference of two equal motions over the largest impulse; motions side by side differ by far more."""
 CRITICAL = 5e-2
-"""Of the modulus of the leading multiplier: nearer to one, the error of either solver may decide on stability."""
+"""Distance of the leading multiplier's modulus from one within which the error of either solver may decide on
+stability."""
 
 
 @dataclass(frozen=True)

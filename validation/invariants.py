@@ -32,12 +32,12 @@ from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from validation.verdict import Criterion
 
 _GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
-_PANELS_X = 24  # along the beam, at least: two for each half wave of the twelfth mode
-_MOST_HALVINGS = 8  # of the panels in time, until an integral no longer moves
-_BALANCED = 1e-3
-"""Angular momentum over that of all momentum at one end: less is that of a motion that balances, and rounding."""
+_PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
+_MOST_HALVINGS = 8  # Most halvings of the panels in time
+_BALANCED = 1e-3  # Least angular momentum over that of all momentum at one end: less is a balanced motion, and rounding
 REPEATS = 1e-6
-"""Of the size of a motion: what is nearer is the same.  Orbits close to 1e-9; truncation adds jumps at switches."""
+"""Distance over the size of a motion below which two motions are one.  Orbits close to 1e-9; truncation adds jumps
+at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:

@@ -26,9 +26,9 @@ STARTS = 12
 """Motions of each joint by the analytic solver, from rest and from tips that move at first.  The scatter of their
 exponents is the uncertainty of one measurement: the standard error stated by one motion is half of that scatter at
 times, because intermittent chaos has few independent parts."""
-SPEED = 1e-3  # m/s, of the tip of the second motion; the third has twice as much, and so on
-MOST = 10  # of the motions must be certified, from which the exponent is taken
-PROBABILITY = 0.99  # with which the interval of an exponent holds it
+SPEED = 1e-3  # Initial speed of the tip in the second motion, m/s; the k-th motion starts with k - 1 times as much
+MOST = 10  # Most certified motions from which the exponent is taken
+PROBABILITY = 0.99  # Probability with which the interval of an exponent holds it
 
 
 def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> SteadyState:

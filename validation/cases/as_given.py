@@ -34,11 +34,11 @@ from validation.cases.textbook_equations import BEAMS, roots
 from validation.references.reading import Printed, group
 from validation.verdict import Check, Criterion, Estimate, Kind
 
-ROUNDING = 1e-14  # relative, of a few operations
-PHASES = 1e-10  # of the displacement at the start: rounding of phases of some hundred turns
-SHORT_STRETCH = 1e-3  # m: so near to another stop it is that elements between them need not be cut again
-STEP = 0.1  # m: 25 of them come to more than 2.5 m, by rounding
-EIGENVALUES = 1e-5  # relative: 16 elements give the first frequency so well
+ROUNDING = 1e-14  # Relative rounding of a few operations
+PHASES = 1e-10  # Rounding of phases of some hundred turns, over the displacement at the start
+SHORT_STRETCH = 1e-3  # Distance to another stop, m: so short that elements between the two need not be cut again
+STEP = 0.1  # Step of a range, m: rounding makes 25 of them more than 2.5 m
+EIGENVALUES = 1e-5  # Relative error of the first frequency with 16 elements
 FILE = """
 title = "Every kind of part"
 [beam]
@@ -155,7 +155,7 @@ OVERRIDES = {
     "initial.displacement[3]=1e-5": ("initial.displacement[3]", 1e-5),
     "beam.section.inner_diameter=0.04": ("beam.section.inner_diameter", 0.04),
 }
-"""What ``--set`` is given, and the value that changes, everything else being as it was."""
+"""Arguments of ``--set``, and the one value that each changes."""
 
 
 def overridden() -> Iterator[Check | Criterion]:
@@ -345,8 +345,7 @@ def states() -> Iterator[Check]:
         yield same(f"number of the state {closed or 'free'}", paper_state_number(joint, state), number, "1")
 
 
-CORRELATION, LENGTH = 0.8, 65_536
-"""Of the growths of neighbouring periods, and how many they are."""
+CORRELATION, LENGTH = 0.8, 65_536  # Correlation of the growths of neighbouring periods, and the number of growths
 
 
 def correlated() -> FloatArray:

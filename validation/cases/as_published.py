@@ -26,14 +26,15 @@ from validation.cases.rigid_bar import CURVED, MIRROR, RATIO, SOFT, to_the_limit
 from validation.verdict import Check, Estimate, Kind
 
 SCHEME = PublishedScheme()
-FREQUENCIES = (400.0, 515.0, 1398.0)  # rad/s, of the paper's joint; at the first one the stop at mid-span settles last
-ONE_SIDED = 400.0  # rad/s, without the stops at the bottom: the motion repeats after five periods
-REPEATS = 20  # of a motion, after which it has settled: each of the one before, and the last of the first
-ROUNDING = 1e-9  # relative, of a march that is begun anew at a section point, and of sums over cycles
-CONTACTS = 2  # of the bar that are compared
-SWITCHES = 12  # whose losses are integrated along the beam
-SHORTLY = 1e-9  # s: before and after a switch, at which velocities are looked at
-INTEGRATED = 1e-5  # of the kinetic energy: what that time and Gauss points leave
+FREQUENCIES = (400.0, 515.0, 1398.0)
+"""Frequencies of the paper's joint, rad/s; at the first one the stop at mid-span settles last."""
+ONE_SIDED = 400.0  # Frequency, rad/s, at which the motion without the bottom stops repeats after five periods
+REPEATS = 20  # Repetitions of a settled motion: each repeats the one before, and the last repeats the first
+ROUNDING = 1e-9  # Relative rounding of a march that starts anew at a section point, and of sums over cycles
+CONTACTS = 2  # Contacts of the bar that are compared
+SWITCHES = 12  # Switches whose losses are integrated along the beam
+SHORTLY = 1e-9  # Time before and after a switch at which velocities are evaluated, s
+INTEGRATED = 1e-5  # Error of the integrals by that time and by Gauss points, over the kinetic energy
 
 
 def paper(omega: float, sides: tuple[str, ...] = ("top", "bottom")) -> Problem:

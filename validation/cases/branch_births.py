@@ -22,12 +22,10 @@ from validation.references.bilinear_map import BilinearMap, OneContact
 from validation.references.rigid_bar import RigidBar
 from validation.verdict import Check, Criterion, Estimate, Kind
 
-STIFFNESS = 1e6  # N m2: the softer bar bends so that a bifurcation is displaced by 6e-5
-SPAN = 0.96, 1.04  # of the amplitude at the bifurcation
+STIFFNESS = 1e6  # Bending stiffness of the softer bar, N m2: bending displaces a bifurcation by 6e-5
+SPAN = 0.96, 1.04  # Range of the branch, over the amplitude at the bifurcation
 SOLVER = "analytic"
-AT = 1e-9
-"""Of the amplitude: by as little does the point at which the branch springs differ from the bifurcation, where a
-multiplier is 1."""
+AT = 1e-9  # Largest distance of the branch point from the bifurcation, where a multiplier is 1, over the amplitude
 _BEAM = """
 [beam]
 length = 1.5

@@ -21,16 +21,13 @@ from lapjoint import FREQUENCY, Problem, branch, paper_joint
 from validation.case import Say
 from validation.verdict import Check, Criterion, Estimate
 
-RATIO, RANGE = 0.09, (4390.0, 4374.0)  # of critical damping; rad/s, from the end at which the branch begins
-OPTIONS: dict[str, dict[str, Any]] = {"analytic": {}, "fe": {"elements": 30}}
-"""Of each solver."""
-CLOSELY = 1e-5
-"""Largest stated error over the value: an error that says nothing would hide any difference."""
-GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # of the paper's gaps; rad/s
-SHARE = 1e-3
-"""Largest share of the range that may be left without a branch, and told."""
-LEAST = 1e-9
-"""Least width of a part of the range that counts, over the range: ends of branches are solved to that."""
+RATIO, RANGE = 0.09, (4390.0, 4374.0)
+"""Damping over critical damping, and the range from the end at which the branch begins, rad/s."""
+OPTIONS: dict[str, dict[str, Any]] = {"analytic": {}, "fe": {"elements": 30}}  # Numerical options of each solver
+CLOSELY = 1e-5  # Largest stated error over the value: a larger error would hide any difference
+GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # Gaps over the gaps of the paper, and the range, rad/s
+SHARE = 1e-3  # Largest share of the range that may be left without a branch, and reported as such
+LEAST = 1e-9  # Least width over the range of a part that counts, as ends of branches are solved to 1e-9
 
 
 def damped() -> Problem:

@@ -19,7 +19,7 @@ BARS: dict[str, tuple[dict[str, int], Any]] = {
     "fe": ({"elements": 1}, fe_lapjoint.Solver(elements=1)),
 }
 CLOSELY = {"analytic": 1e-6, "fe": 1e-3}
-"""Largest stated error over the value: an error that says nothing would hide any difference."""
+"""Largest stated error over the value: a larger error would hide any difference."""
 
 
 @dataclass(frozen=True)

@@ -36,31 +36,33 @@ from validation.references.shaken_cantilever import ShakenCantilever
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 BEAM = ShakenCantilever(length=1.0, stiffness=1.0, mass=1.0, damping=0.8)
-GAP, OMEGA = 1e-3, 5.0  # m, rad/s
-AMPLITUDES = (3.15e-4, 3.45e-4)  # m, of the base: both folds, 3.20e-4 and 3.36e-4, and the graze between them
+GAP, OMEGA = 1e-3, 5.0  # Gap, m, and excitation frequency, rad/s
+AMPLITUDES = (3.15e-4, 3.45e-4)
+"""Amplitudes of the base, m: both folds, 3.20e-4 and 3.36e-4, and the graze lie between them."""
 FREQUENCY = "base_motion.angular_frequency"
 SOLVERS: dict[str, tuple[dict[str, int], Any]] = {
     "analytic": ({"n_modes": 8}, analytic.Solver(n_modes=8)),
     "fe": ({"elements": 4}, fe_lapjoint.Solver(elements=4)),
 }
-SEQUENCE = ("grazing", "fold", "fold")
-"""What the motion that begins without contact comes to."""
+SEQUENCE = ("grazing", "fold", "fold")  # Bifurcations on the branch that begins without contact, in sequence
 CLOSED = 1e-10
-"""Of the amplitude: at a first graze all is linear, and the graze is a zero that Newton's method finds to rounding."""
+"""Tolerance of the first graze over the amplitude: the motion is linear, and Newton's method reaches rounding."""
 BESIDE = 4e-3
-"""Of the number: how far from a fold marches are.  Nearby they take as many periods as one over its root."""
-MARCHED = 300  # periods of the excitation, in which what a multiplier of 0.96 leaves falls to 1e-5
+"""Distance of marches from a fold, over its parameter; transients last as long as one over the root of this
+distance."""
+MARCHED = 300  # Length of a march in excitation periods, in which a multiplier of 0.96 decays to 1e-5
 AT_GRAZE = 1e-3
-"""Of the amplitude: a point is just before the graze of the solver, whose finer self has it a little elsewhere."""
-SETTLED = 1e-7  # relative: by so much an orbit that closes to 1e-9 may be off, near a fold
+"""Distance, over the amplitude, of a point just before the graze: finer solvers have the graze slightly elsewhere."""
+SETTLED = 1e-7  # Relative error near a fold of an orbit that closes to 1e-9
 APPROACH = 5
 """Steps of the amplitude from the end of the range to the upper fold: a larger change throws the beam at its stop."""
-PRESSED = 5e-4  # N s a period: between the motions on either side of a fold
-FLIPS = (22.95, 23.25)  # rad/s: the bar flips at 23.14
+PRESSED = 5e-4  # Impulse per period between the impulses of the motions on either side of a fold, N s
+FLIPS = (22.95, 23.25)  # Range of frequencies, rad/s, that holds the flip of the bar at 23.14
 DOUBLE = 1.016
-"""Of the frequency of the flip: a march from rest comes to the motion of two periods there, and below to another of
-three."""
-REPEATS = 1e-3  # of an impulse: a motion of two periods has impulses that differ by 5 % at `BESIDE`
+"""Frequency over that of the flip, at which a march from rest reaches the motion of two periods; at lower
+frequencies it reaches another motion, of three periods."""
+REPEATS = 1e-3
+"""Tolerance of repetition over an impulse: the impulses of a motion of two periods differ by 5 % at `BESIDE`."""
 SPAN = (
     2.85e-4,
     3.7e-4,
@@ -97,7 +99,7 @@ BAR = {
     "ratio": 0.05,
     "omega": 13.0,  # rad/s, above the 10 of its free vibration
 }
-CROSSED = 1e-6  # rad/s: by so much the witness's differences may displace where its multiplier is -1
+CROSSED = 1e-6  # Error of the frequency at which the witness's multiplier is -1, by finite differences, rad/s
 BASIN = """
 title = "Bar on a pin beside one stop: two motions"
 [beam]
@@ -120,11 +122,11 @@ coefficient = 2.0
 amplitude = 1e-3
 angular_frequency = 17.0
 """
-PLACE, GRID = 1.2, (6, 6)  # m, where starts are moved, and their number
-LONG = 200  # periods: a deviation falls by e^-18 in them
-TOGETHER = 3  # periods, after which motions of one period and of three both repeat
-SAME = 1e-5
-"""Of the largest impulse: what remains of a deviation, and of a start that is not bent as the static shape."""
+PLACE, GRID = 1.2, (6, 6)
+"""Position at which the starts are displaced, m, and numbers of starts along each axis of the grid."""
+LONG = 200  # Length of a march in periods, in which a deviation decays by e^-18
+TOGETHER = 3  # Periods after which motions of one period and of three both repeat
+SAME = 1e-5  # Remainder of a deviation, and of a start not bent as the static shape, over the largest impulse
 
 
 def cantilever(amplitude: float) -> Problem:

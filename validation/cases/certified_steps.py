@@ -23,15 +23,16 @@ from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Criterion
 
 CUBICS = 4000
-LONGEST = 10.0  # s: the time that is asked for; the roots are within it in about two thirds of the cubics
-BELOW = 1e-3  # of the root: how far below it a step ends at the most
-CLOSE = 1e-8  # the same close to a switch, where the gap function rises all the way
-STEADILY = 0.3  # of the rate: so little it changes up to a root that is close
-TOUCHING = 1e-4  # of the height of a cubic's first maximum below zero: where it all but touches
-ROUNDED = 1e-9  # relative: within this numpy's roots, and the signs of cubics, are rounded
+LONGEST = 10.0  # Step asked for, s; about two thirds of the cubics have their root within it
+BELOW = 1e-3  # Largest distance of a step's end below the root, over the root
+CLOSE = 1e-8
+"""Largest distance below the root, over the root, close to a switch where the gap function rises all the way."""
+STEADILY = 0.3  # Largest change of the rate up to a root that is close, over the rate
+TOUCHING = 1e-4  # Distance from zero of a cubic's first maximum that all but touches zero, over its rise from the start
+ROUNDED = 1e-9  # Relative rounding of numpy's roots, within which signs of cubics are not decided
 TERMS, HARMONICS, PLACES = 12, 3, 2
-SUMMED = 1e-13  # relative: rounding of some tens of operations
-SHORTLY = 1e-3  # s: how shortly after a time a gap function is to be above zero; half a root is 0.01 to 10 s
+SUMMED = 1e-13  # Relative rounding of some tens of operations
+SHORTLY = 1e-3  # Time, s, after which a gap function is to be above zero; half a root is 0.01 to 10 s
 
 
 def cubics() -> FloatArray:

@@ -25,8 +25,8 @@ from validation.verdict import Criterion
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PORTRAITS = (1398.5, 2060.5, 2160.5)  # rad/s, where the ruling depends on what the motion looks like
-TIP = 2.5  # m from the root
+PORTRAITS = (1398.5, 2060.5, 2160.5)  # Frequencies, rad/s, at which the ruling depends on the shape of the motion
+TIP = 2.5  # Position of the tip, m from the root
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -18,7 +18,7 @@ ANALYTIC_ORDER = 5.0
 """Impulses converge with the seventh power of the number of modes, event times with the fifth
 (tests/analytic/test_steady_state.py)."""
 FE_ORDER = 4.0
-EVENT_FLOOR = 2.2e-11  # s, to which both solvers locate a switch
+EVENT_FLOOR = 2.2e-11  # Time to which both solvers locate a switch, s
 
 
 def analytic_levels(problem: Problem, ratio: float) -> list[analytic.Solver]:

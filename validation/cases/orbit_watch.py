@@ -38,7 +38,7 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 MODAL, MESH = analytic.Solver(n_modes=5), fe_lapjoint.Solver(elements=1)
-"""Coarse ones will do: each is compared with itself."""
+"""Coarse solvers, for each is compared with itself alone."""
 WIDE = joint("Gaps out of reach", 2.5, 0.05, (1.0, "top", 1.2e-2, 30.0), (0.5, "bottom", 9e-3, 30.0))
 FOUR = joint("Four periods", 2.5, 0.02, (1.0, "top", 4e-3, 30.0), (0.5, "bottom", 2e-3, 30.0))
 ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
@@ -50,42 +50,50 @@ ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
     ("out of reach", WIDE, MODAL),
     ("out of reach", WIDE, MESH),
 )
-"""All kinds: with one switch at a stop and with several, with a mirror image, of several periods, without contact."""
+"""Orbits of all kinds: with one and with several switches at a stop, with a mirror image, of several periods,
+without contact."""
 FEW = tuple((ratio, omega) for ratio in (0.02, 0.05) for omega in (120.0, 160.0, 222.0, 300.0, 400.0, 500.0))
-"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out so much that a
-stop may switch beyond its gap, and back there: the derivative is then known from differences only if it knows that."""
-BESIDE = 1e-7  # of the orbit's size: how far beside it neighbours begin; its square is lost, and rounding over it
-DERIVED = 1e-5  # relative: what differences over so little leave of a derivative
-BY_SAMPLES = 0.05  # relative: parabolas between 64 samples in half a period, which `FiniteDifferences` draws
-EDGE = 1e-6  # of the orbit's length: so far before a switch rates are read off, and twice as far, and carried on
-READ = 1e-3  # relative: what that leaves of a rate, and of its rate
-CLOSED = 1e-8  # relative, of the times of switches: how well they are located, and how well the orbit closes
-PERIODS = 3  # over which a deviation is followed; and of the march from rest, whose deviation is one
-POINTS = 9  # in an interval, at which distances are looked at
-EXACT = 1e-6  # relative, of bounds and of sizes that are derived twice
-TIGHT = 0.5  # of a distance that the search must be certain of; less would have it march on for longer than it need
-ON_AVERAGE = 0.975  # of distances and deviations: intervals of a 32nd of a period at the most, so that chords are near
-CHORD = 1e-4  # relative: what a chord misses of a distance or of a deviation where these hardly bend
-WITHIN = 1e-9  # of an interval: at a switch itself truncated modes jump, and rounding says to which side it belongs
-INSIDE = 0.02  # of an interval: so far from its ends deviations are looked at, for switches move by a deviation
+"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out enough that
+a stop switches beyond its gap and back: finite differences give the derivative only if they account for these
+switches."""
+BESIDE = 1e-7  # Distance at which neighbours begin, over the orbit's size: its square, and rounding over it, are lost
+DERIVED = 1e-5  # Relative error of a derivative by differences over that distance
+BY_SAMPLES = 0.05
+"""Relative error of the parabolas between 64 samples in half a period, which `FiniteDifferences` draws."""
+EDGE = 1e-6
+"""Distances, once and twice this, before a switch from which rates are extrapolated, over the orbit's length."""
+READ = 1e-3  # Relative error of a rate, and of its rate, by that extrapolation
+CLOSED = 1e-8  # Relative error of the times of switches: how well they are located, and how well the orbit closes
+PERIODS = 3  # Periods over which a deviation is followed, and after which a march from rest is taken as a deviation
+POINTS = 9  # Points in an interval at which distances are evaluated
+EXACT = 1e-6  # Relative rounding of bounds and sizes that are derived twice
+TIGHT = 0.5
+"""Least share of a distance of which the search must be certain; a smaller share would make it march too long."""
+ON_AVERAGE = 0.975
+"""Least mean share of distances and deviations: chords are close over intervals of a 32nd of a period at most."""
+CHORD = 1e-4  # Relative error of a chord for a distance or a deviation that hardly bends
+WITHIN = 1e-9  # Distance from a switch over the interval: truncated modes jump at it, and rounding decides the side
+INSIDE = 0.02  # Distance from the ends of an interval, over its length, as a deviation moves the switches there
 WANDERING = ("four periods",)
 WANDERED, WATCHED, MULTIPLES = 80, 64, 6
-"""Periods of a march from rest, the last of them over which it is seen how far it wanders, and multiples tried."""
-RATIOS = (0.0, 0.01, 0.02)  # of modes: the first is not damped
+"""Periods of a march from rest, the last periods over which its wandering is measured, and the multiples tried."""
+RATIOS = (0.0, 0.01, 0.02)  # Damping ratios of modes, the first without damping
 FREE, BENT, SHIFTS, RATE, APART = 0.9, 0.5, 3.0, 0.5, 1 / 3
-"""The rule: share of a distance that a deviation may take where there are no switches, and where there are; shifts of a
-switch next to it that are exempt; share of the rate that it may change; share of the time to the next switch."""
-LOOKED_AT = 512  # periods of the orbit over which the rule is looked at: the slowest one here decays by 0.85 in each
+"""The rule: largest share of a distance that a deviation may take without switches and with them; shifts of a switch
+beside it that are exempt; largest share of the rate by which the rate may change; largest share of the time to the
+next switch."""
+LOOKED_AT = 512  # Periods of the orbit over which the rule is evaluated: the slowest orbit decays by 0.85 in each
 SMALLEST, LARGEST, HALVINGS = 1e-8, 1e4, 40
-"""Sizes of deviations over that of the orbit, between which the largest that the rule allows is looked for."""
-BEYOND = (1.5, 4.0, 20.0)  # times that size, at which the rule says how long to wait
-NEARLY = 0.95  # of the share that the rule allows: what bounds in place of true deviations and distances leave of it
-BACK = 40  # periods after which a march from such a deviation must be back
-RETURNED = 1e-2  # of the deviation that is left then: 0.85 to the power of 40 is 1.5e-3
+"""Sizes of deviations over that of the orbit, between which the largest allowed size is bisected."""
+BEYOND = (1.5, 4.0, 20.0)  # Multiples of that size at which the rule states a time to wait
+NEARLY = 0.95  # Least share of the rule's limit that bounds reach in place of true deviations and distances
+BACK = 40  # Periods after which a march from such a deviation must be back
+RETURNED = 1e-2  # Largest remainder over the deviation after these periods: 0.85 to the power of 40 is 1.5e-3
 DECAYING = -np.array([0.1, 1.0, 3.0, 0.0]) + 1j * np.array([2.0, 9.0, 0.0, 4.0])
-"""Exponents of terms over which chords are drawn, 1/s: ringing, overdamped, and undamped ones."""
-CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # s: ends of intervals in a segment
-OVER = 1.1  # times what a chord misses: a bound that the term at the start of an interval makes, 0.2 rad wide at most
+"""Exponents of the terms over which chords are drawn, 1/s: ringing, overdamped and undamped terms."""
+CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # Ends of the intervals in a segment, s
+OVER = 1.1
+"""Largest bound over the error of a chord: the bound uses the term at the start of an interval of 0.2 rad at most."""
 
 
 @dataclass(frozen=True)

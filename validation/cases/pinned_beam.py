@@ -103,8 +103,9 @@ x = 1.2
 force = 42.0
 """
 BEAMS = {"loaded": LOADED, "ringing": RINGING, "overdamped": OVERDAMPED}
-PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)  # m and s: no node of the coarsest mesh, no multiple of a period
-DURATION = 0.14  # s
+PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)
+"""Positions, m, and times, s: at no node of the coarsest mesh, and no multiple of a period."""
+DURATION = 0.14  # Length of the motion, s
 MODES, MESHES = 24, (8, 16, 32)
 QUANTITIES = (
     # name, unit, and the order in which finite elements converge at a place
@@ -115,12 +116,14 @@ QUANTITIES = (
     ("shear force", "N", 1.0),
 )
 RINGING_SHOWS = ("displacement", "slope")
-"""What few modes have of a beam whose waves of all lengths are damped alike: not the velocity of the short ones."""
+"""Quantities that few modes give for a beam whose waves of all lengths are damped alike; velocity needs the short
+waves."""
 TRUNCATION = {"displacement": 2e-6, "velocity": 1e-5, "slope": 5e-5, "bending moment": 1e-5, "shear force": 1e-4}
-"""Of the largest value of its kind: what 24 modes and the static residual leave of waves that a jump sent out."""
-CONSERVED = 1e-7  # relative: quadrature, and rounding of the finite elements' rigid-body modes
-FEW = 3  # modes, of a motion that six waves drive
-SUMMED = 1e-8  # of the same: what the witness leaves out
+"""Error over the largest value of its kind: 24 modes and the static residual lack part of the waves that a jump
+sends out."""
+CONSERVED = 1e-7  # Relative error of quadrature, and rounding of the finite elements' rigid-body modes
+FEW = 3  # Number of modes, of a motion that six waves drive
+SUMMED = 1e-8  # Truncation error of the witness, over the largest value of its kind
 
 
 def found(history: History, x: float, t: float) -> tuple[float, ...]:

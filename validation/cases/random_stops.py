@@ -26,23 +26,19 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 LENGTH, MASS = 1.0, 3.0
 INERTIA = MASS * LENGTH**3 / 3
 STIFF = 1e7
-"""Bending stiffness, N m2: what the bar bends makes its springs softer by a part of 1e-4, far below any interval here;
-a stiffer one rings so fast that the finite elements take eight times as long."""
+"""Bending stiffness, N m2: bending makes the bar's springs softer by 1e-4, far below any interval here; a stiffer
+bar rings so fast that finite elements take eight times as long."""
 OSCILLATOR = Gibbs(omega=20.0, gamma=4.0, density=0.3, top=(0.05, 3000.0), bottom=(0.03, 900.0))
-LEVELS = (0.0, 0.02)
-"""Further displacements, m, whose crossings are counted."""
-FEATHER = 1e-12
-"""Stiffness of a stop that counts only, over that of the spring at the tip."""
+LEVELS = (0.0, 0.02)  # Further displacements whose crossings are counted, m
+FEATHER = 1e-12  # Stiffness of a stop that only counts crossings, over that of the spring at the tip
 BANDS = ((0.2, 25.0), (0.1, 50.0), (0.05, 100.0), (0.025, 200.0), (0.0125, 400.0))
-"""Bands of the excitation, Hz, of which the first is taken whose bias is small enough."""
-SMALL = 0.2
-"""Part of an interval that the bias of the band may be."""
+"""Bands of the excitation, Hz; the first whose bias is small enough is used."""
+SMALL = 0.2  # Largest bias of the band over an interval
 SEED, SEEDS = 7, 8
-DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}
-"""Of each of `SEEDS` motions, s."""
+DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}  # Length of each of `SEEDS` motions, s
 SOLVERS = {"analytic": {"n_modes": 1}, "fe": {"elements": 1}}
 SHARE = {"analytic": 1.0, "fe": 0.25}
-"""Of the duration, by how much each solver costs; the quick level leaves the finite elements to `random-linear`."""
+"""Share of the duration by the cost of each solver; the quick level leaves the finite elements to `random-linear`."""
 
 
 def bar(band: tuple[float, float]) -> Problem:

@@ -26,28 +26,30 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 QUANTITIES = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 BEAM = LOADED.split("[base_motion]")[0]
-DURATION, RATE, OTHER_RATE = 0.06, 2000.0, 1300.0  # s and Hz: 120 samples of the base, 78 of a force
+DURATION, RATE, OTHER_RATE = 0.06, 2000.0, 1300.0
+"""Length, s, and sample rates, Hz: 120 samples of the base, 78 of a force."""
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=24), fe_lapjoint.Solver(elements=32))
 MISSED = {"displacement": 1e-5, "velocity": 3e-4, "slope": 1e-4}
-"""Of the largest value of its kind: what 24 modes, or 32 elements, leave of the beam between two pins."""
-LEFT_OUT = 1e-8  # of the same: what the witness leaves out
-SINE, AMPLITUDE, SAMPLES = 170.0, 1.5e-3, 61  # rad/s, m: 0.17 rad between samples
-BY_SAMPLING = 1 / 12
-"""Of the motion, times (omega h)^2: by so much a linear interpolant lies inside of its sine, in the mean."""
-NEARLY = 0.3  # relative: what ends of the record, where it begins from rest, and other waves of the beam make of that
-GAUSS = np.polynomial.legendre.leggauss(2)  # exact for what is integrated, of degree 2 at most
-ROUNDED = 1e-9  # relative, of integrals over some hundred knots
-NOISE = 1e-6  # m/s: of samples of a velocity that alternate
+"""Error of 24 modes, or 32 elements, for the beam between two pins, over the largest value of its kind."""
+LEFT_OUT = 1e-8  # Truncation error of the witness, over the largest value of its kind
+SINE, AMPLITUDE, SAMPLES = 170.0, 1.5e-3, 61  # Frequency, rad/s, amplitude, m, and number of samples, 0.17 rad apart
+BY_SAMPLING = 1 / 12  # Mean distance of a linear interpolant inside its sine, over the motion, in units of (omega h)^2
+NEARLY = 0.3
+"""Relative change of that distance by the ends of the record, the start from rest, and other waves of the beam."""
+GAUSS = np.polynomial.legendre.leggauss(2)
+"""Gauss points and weights, exact for degree 3: the integrands have degree 2 at most."""
+ROUNDED = 1e-9  # Relative rounding of integrals over some hundred knots
+NOISE = 1e-6  # Noise of alternating samples of a velocity, m/s
 GROWN = 8.0
-"""Times noise over the time between samples: an acceleration of a spline that forgets, 4 to 5.  One that remembers each
-sample comes to twice their number."""
-STRAIGHT = 1e-9  # of the largest acceleration: mean and trend that are left
+"""Largest acceleration in units of the noise over the time between samples.  A spline that forgets past samples
+gives 4 to 5; one that remembers each gives twice their number."""
+STRAIGHT = 1e-9  # Mean and trend that may remain, over the largest acceleration
 UNITS = {("acceleration", "g"): 9.80665, ("velocity", "mm/s"): 1e-3, ("displacement", "um"): 1e-6}
 """SI units in each: the standard acceleration of free fall is that of the third CGPM, 1901."""
-SHAKEN, SHAKEN_RATE, SHAKEN_SAMPLES = 200.0, 1e4, 301  # m/s2, Hz
-FIRST = 3  # contacts that are compared; the next one only grazes
+SHAKEN, SHAKEN_RATE, SHAKEN_SAMPLES = 200.0, 1e4, 301  # Acceleration, m/s2, sample rate, Hz, and number of samples
+FIRST = 3  # Contacts that are compared; the next one only grazes
 COARSE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=16), fe_lapjoint.Solver(elements=10))
-"""For these: both state how coarse they are."""
+"""Solvers for these contacts: both state their discretisation error."""
 
 
 def noise(seed: int, count: int, size: float) -> FloatArray:

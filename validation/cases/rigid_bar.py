@@ -27,17 +27,17 @@ SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
 )
 CURVED = 0.2
 """Share of a change that is not proportional to 1 / EI: the next power is smaller by k L^3 / EI, 0.1 at most here."""
-UNSURE = {"velocity": 1.0}
-"""The same where the ringing that an impact leaves shows, which may have any sign."""
-DURATION = 1.2  # s, of the motion from the initial state: two to five excitation periods
-CONTACTS = 4  # compared one by one
-TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # s, at which the motion is compared
-ROUNDING = 1e-8  # of the largest of its kind: what the witness loses by its differences and roots
-CLOSED = 1e-8  # of the motion: ten times what Newton's method leaves at the most
-PASSED = 3  # periods of a march without a deviation
-FOLLOWED, MEASURED = 84, 64  # periods over which a deviation is followed, and the last of them that are measured
-FOLLOWED_IN = "springs"  # the leading multiplier is real there, so that every period has the same growth
-EXACT = 1e-4  # relative: growth along an orbit, from a deviation that 20 periods have turned, against its multiplier
+UNSURE = {"velocity": 1.0}  # The share of a change where the ringing after an impact shows, which may have any sign
+DURATION = 1.2  # Length of the motion from the initial state, s: two to five excitation periods
+CONTACTS = 4  # Contacts compared one by one
+TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # Times at which the motion is compared, s
+ROUNDING = 1e-8  # Error of the witness by its differences and roots, over the largest of its kind
+CLOSED = 1e-8  # Error of the orbit over the motion: ten times what Newton's method leaves at most
+PASSED = 3  # Periods of a march without a deviation
+FOLLOWED, MEASURED = 84, 64
+"""Periods over which a deviation is followed, and how many of them, the last ones, are measured."""
+FOLLOWED_IN = "springs"  # Bar whose leading multiplier is real, so that every period has the same growth
+EXACT = 1e-4  # Relative error of the growth along an orbit, measured after 20 periods, against the multiplier
 
 SPRINGS = """
 title = "Bar on two springs, all loads, two stops"

@@ -27,16 +27,15 @@ QUANTITIES = {"peak force": ("N", "peak_force"), "time in contact": ("s", "conta
 """Unit, and key in the references."""
 SOFT = 1e8
 """Bending stiffness, N m2, of the softer of two beams of 1 m; the other is `RATIO` times as stiff."""
-ROUNDING = 1e-10  # relative: solvers find a switch and an extremum to rounding
+ROUNDING = 1e-10  # Relative error to which solvers find a switch and an extremum
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=8),
     fe_lapjoint.Solver(elements=2),
 )
-NOT_CONFIRMED = "impulse"
-"""What the document's own equation does not give to the digits printed."""
+NOT_CONFIRMED = "impulse"  # Quantity that the document's own equation does not give to the digits printed
 MISPRINT = (1.0e-4, 2.0e-4)
-"""Relative: by so much the printed impulse exceeds the one that the document's equation, force and time in contact
-give; outside, the explanation of the difference would be another."""
+"""Range of the relative excess of the printed impulse over the impulse by the document's equation, force and time in
+contact; outside of it the difference would need another explanation."""
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from validation.references.reading import printed
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate
 
-DURATION = 0.2  # s
-AT = 0.16  # s, where the kinetic energy is compared
+DURATION = 0.2  # Length of the motion, s
+AT = 0.16  # Time at which the kinetic energy is compared, s
 QUANTITIES = {
     "first contact": ("s", "first_contact"),
     "release": ("s", "release"),

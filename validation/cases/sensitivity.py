@@ -16,10 +16,11 @@ from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.verdict import Criterion
 
-RATIO = 0.08  # modal damping of the paper's joint
-PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to look, rad/s
-WINDOWS = (1398.5, 2060.5, 2160.5)  # rad/s, where the paper's motions do not settle
-SYMMETRIC = 1e-3  # of the larger impulse: what the two tip stops may differ by
+RATIO = 0.08  # Modal damping ratio of the paper's joint
+PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}
+"""Frequencies of the peaks, and the half width in which each is sought, rad/s."""
+WINDOWS = (1398.5, 2060.5, 2160.5)  # Frequencies at which the paper's motions do not settle, rad/s
+SYMMETRIC = 1e-3  # Largest difference of the two tip stops' impulses over the larger impulse
 LIGHT = "viscous damping"
 WORKERS = 2
 

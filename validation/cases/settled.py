@@ -24,16 +24,17 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 SOLVERS: tuple[Solver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3))
-"""Coarse ones will do: each is compared with itself."""
+"""Coarse solvers, for each is compared with itself alone."""
 DECAY_TIMES = 20.0
-"""Of the slowest free vibration, that are marched: exp(-20) = 2e-9 of a transient is left, and more where a motion with
-contacts is slower than free vibration: the multiplier of the slowest one here, 0.93 over three periods, leaves less."""
-WATCHED = 24  # periods at the end of a march whose ends are compared
-LONGEST = 8  # periods after which a motion may repeat
-SAME = 1e-3  # of the size of the motion: section points nearer than this are one; those of other phases differ by more
-EQUAL = 1e-4  # relative, of impulses of the same orbit, one marched and one found; coarse modes leave jumps at switches
-POINTS = 9  # along the beam, at which section points are compared
-WITNESS = 0.05  # of the motion: what six modes, or three elements, lose of energy and impulses
+"""Length of a march in decay times of the slowest free vibration: exp(-20) = 2e-9 of its transient is left.  A
+motion with contacts may be slower than free vibration; the slowest multiplier here, 0.93 over three periods, leaves
+less."""
+WATCHED = 24  # Periods at the end of a march whose section points are compared
+LONGEST = 8  # Largest period multiple of a motion that is tried
+SAME = 1e-3  # Distance over the size of the motion below which two section points are one; other phases differ by more
+EQUAL = 1e-4  # Relative difference of impulses of an orbit marched and found; coarse modes leave jumps at switches
+POINTS = 9  # Points along the beam at which section points are compared
+WITNESS = 0.05  # Loss of energy and impulses with six modes, or three elements, over the motion
 
 JOINT = """
 title = "{title}"
@@ -59,7 +60,7 @@ side = "{side}"
 gap = {gap}
 stiffness = {stiffness}
 """
-FIRST = 3.5160152685  # rad/s, of the cantilever
+FIRST = 3.5160152685  # First natural frequency of the cantilever, rad/s
 
 
 def joint(title: str, times: float, ratio: float, *stops: tuple[float, str, float, float]) -> Problem:
@@ -87,15 +88,15 @@ motion of one period, but rest is not in its basin.  No motion of the third mirr
 mirrors itself, and a search that misses this calls it not symmetric."""
 
 CHAOTIC = {"chaos": joint("Never the same again", 5.8, 0.008, (1.0, "top", 6e-3, 200.0))}
-"""Its exponent is ten standard errors above zero, and no stable motion was found beside it."""
+"""A joint whose exponent is ten standard errors above zero, and beside whose motion no stable motion was found."""
 
 FINE: dict[str, Solver] = {
     SOLVERS[0].name: analytic.Solver(n_modes=24),
     SOLVERS[1].name: fe_lapjoint.Solver(elements=12),
 }
-"""Four times as fine: their own errors are a sixteenth at the most, for errors fall with the second power or faster."""
-ESTIMATED = ("uneven",)  # joints whose stated errors are looked at: the orbit is the same at every resolution
-LAVISH = 60.0  # times the true error that the stated one may be: it is a bound, but one that says something
+"""Solvers four times as fine: their errors are a sixteenth at most, for errors fall with the second power or faster."""
+ESTIMATED = ("uneven",)  # Joints whose stated errors are judged: the orbit is the same at every resolution
+LAVISH = 60.0  # Largest stated error over the true one: the stated error is a bound, but must be informative
 
 
 @dataclass(frozen=True)

@@ -32,39 +32,36 @@ from validation.case import CaseResult, Level, Say, number, table
 from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Criterion, Estimate
 
-GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4  # m, N/m: 50 times as stiff as the beam
-LOW, HIGH, DENSITY = 3.0, 60.0, 4.0  # Hz and (m/s2)^2/Hz, of the base; the lowest mode has 5.6 Hz
+GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4
+"""Gaps, m, and stiffness of the stops, N/m: 50 times as stiff as the beam."""
+LOW, HIGH, DENSITY = 3.0, 60.0, 4.0
+"""Band, Hz, and density, (m/s2)^2/Hz, of the base's acceleration; the lowest mode has 5.6 Hz."""
 SEEDS = (1, 2, 3, 5)
 """Of the excitations under which motions are followed until they part.  Statistics are of motions under the first.
 Under that of seed 4 the 52nd contact is a graze, which one solver has and the other has not."""
-FOLLOWED = 2.0  # s: the motions have parted after 0.9 to 1.5 s
+FOLLOWED = 2.0  # Length of the motions that are followed, s: they have parted after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
-"""For these: both state their errors."""
+"""Solvers for the motions until they part: both state their errors."""
 MOVED = 1e-6
-"""Initial velocity of the tip of the twin, m/s: its distance is a tenth of the solvers' at first, 1e-7 m, and a million
-times what rounding makes."""
-PARTED = 1e-4
-"""Distance of two motions, m, up to which it grows as small ones do: a twentieth of a gap."""
-KNOWN = 2e-3
-"""Largest stated error of the start of a contact, s, up to which it is compared: contacts last 11 ms on average."""
-FEWEST = 30
-"""Contacts that must be known so well before chaos parts the motions; there are 44 to 89."""
-BEGUN = 0.2  # s: the first contacts are over
-STEP = 0.02  # s, between two looks at the distance
-PLACES = np.linspace(0.2, 1.0, 5)  # m, at which it is looked at
-WITHIN = np.linspace(-0.05, 0.0, 6)  # s, over which it is taken together: part of a swing of the beam
-LINES = 2.0
-"""Departures from a straight line by which the growth of a distance between two times may be off: one at each end."""
-LEAST_GROWTH = 30.0
-"""Times that the distance must have grown, for its rate to be one."""
+"""Initial velocity of the tip of the twin, m/s: its distance is 1e-7 m at first, a tenth of that of the solvers, and
+a million times rounding."""
+PARTED = 1e-4  # Largest distance of two motions, m, that grows as a small one: a twentieth of a gap
+KNOWN = 2e-3  # Largest stated error of the start of a contact that is compared, s: contacts last 11 ms on average
+FEWEST = 30  # Least number of contacts with such an error before chaos parts the motions; there are 44 to 89
+BEGUN = 0.2  # Time after which the first contacts are over, s
+STEP = 0.02  # Time between two measurements of the distance, s
+PLACES = np.linspace(0.2, 1.0, 5)  # Positions at which the distance is measured, m
+WITHIN = np.linspace(-0.05, 0.0, 6)
+"""Times relative to a measurement over which the distance is a root mean square, s: part of a swing of the beam."""
+LINES = 2.0  # Departures from a straight line by which the growth between two times may be off: one at each end
+LEAST_GROWTH = 30.0  # Least growth of the distance for which a rate is fitted
 COARSE = {"analytic": {"n_modes": 12}, "fe": {"elements": 8}}
 DURATION = {"quick": 110.0, "standard": 400.0, "full": 1500.0}
-"""s, of which seven decay times, 7 s, are left out: the solvers have parted by then."""
-TRUNCATED = 5e-3
-"""Relative: what the coarse solvers leave of the motion."""
+"""Length, s, of which seven decay times, 7 s, are left out: the solvers have parted by then."""
+TRUNCATED = 5e-3  # Relative discretisation error of the coarse solvers
 TOGETHER = 0.999
-"""Probability with which all intervals are to hold together.  Chaos makes other motions of other rounding, and so each
-kind of processor draws anew."""
+"""Probability with which all intervals hold together.  Chaos amplifies rounding, so that each kind of processor is a
+new draw."""
 
 
 def joint(seed: int, moved: float = 0.0) -> Problem:

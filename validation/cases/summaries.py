@@ -32,16 +32,15 @@ from validation.references.summed_up import Touch, of_counts, of_reciprocal_root
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, BREADTH, HEIGHT, MODULUS, HEAVY = 0.8, 0.03, 0.008, 2.1e11, 7850.0
-"""Of the beam, m, Pa and kg/m3."""
+"""Length, breadth and height, m, modulus, Pa, and density, kg/m3, of the beam."""
 BENDING, MASS = MODULUS * BREADTH * HEIGHT**3 / 12, HEAVY * BREADTH * HEIGHT
 LOWEST = 1.875104068711961**2 * math.sqrt(BENDING / MASS) / LENGTH**2
 """Lowest angular frequency of a cantilever, rad/s: R. D. Blevins, Formulas for Natural Frequency and Mode Shape, 1979,
 table 8-1."""
 DAMPING = 0.05
 PLACES = {"mid-span": LENGTH / 2, "three quarters": 0.75 * LENGTH}
-SEED, SEEDS, UNITS = 3, 2, 9
-"""Realisations, and units of each."""
-DURATION = 58.0  # s: seven decay times are left out, and `UNITS` of twenty fit in the rest
+SEED, SEEDS, UNITS = 3, 2, 9  # Seed, number of realisations, and units of each realisation
+DURATION = 58.0  # Length, s: seven decay times are left out, and `UNITS` of twenty fit in the rest
 SOLVER = {"n_modes": 4}
 SHAKEN = """
 title = "Cantilever between three stops, base and tip shaken at random"
@@ -86,27 +85,22 @@ x = {length}
 force = 3.0
 """
 LOAD_SEED = 40
-DENSE = 4096.0
-"""Samples of the witness, Hz: 11 in a period of the fastest of four modes."""
+DENSE = 4096.0  # Sample rate of the witness, Hz: 11 samples in a period of the fastest of four modes
 SPARSE = 64.0
-"""Samples of the statistics, Hz: six in a period of the slowest mode, so that few are near a peak."""
-SURE = 4.0
-"""Standard deviations by which sparse samples may be off: once in 16 000 times."""
-ROUNDING = 1e-9
-"""Relative: the same march, looked at once as a whole and once in stretches."""
-PEAK = 2e-3
-"""Relative: what is left of a peak between dense samples, or samples that are refined around the largest one."""
-SAME_BATCHES = 0.2
-"""Relative, of the width of an interval: from sparse samples or from dense ones, with what sparse ones add."""
+"""Sample rate of the statistics, Hz: six in a period of the slowest mode, so that few samples are near a peak."""
+SURE = 4.0  # Standard deviations by which sparse samples may be off: chance exceeds it once in 16 000 times
+ROUNDING = 1e-9  # Relative rounding between a march evaluated as a whole and in stretches
+PEAK = 2e-3  # Relative error of a peak between dense samples, or between samples refined around the largest one
+SAME_BATCHES = 0.2  # Relative difference of the widths of intervals from sparse samples and from dense ones
 STEADY = ShakenCantilever(length=0.9, stiffness=40.0, mass=0.8, damping=9.0)
-AMPLITUDE, OMEGA = 2e-3, 37.0  # m and rad/s, of its base
+AMPLITUDE, OMEGA = 2e-3, 37.0  # Amplitude, m, and frequency, rad/s, of the base's motion
 LEFT_OUT = 1e-4
-"""Of the largest of its kind: what 24 modes, and the static residual, leave of a harmonic motion far below the last."""
-MIDPOINTS = 2**15
-"""Dense samples of a period: where a force has a kink at a switch, the sum is off by 1e-8."""
-BY_MIDPOINTS = 1e-5
-"""Relative: a margin over that."""
-SERIES_RATE, SERIES_DURATION = 700.0, 0.14  # Hz, s: no whole number of samples between any two phases of a load
+"""Error of 24 modes and the static residual for a harmonic motion far below the last mode, over the largest of its
+kind."""
+MIDPOINTS = 2**15  # Dense samples of a period: where a force has a kink at a switch, the sum is off by 1e-8
+BY_MIDPOINTS = 1e-5  # Relative tolerance of the midpoint sums, a margin over 1e-8
+SERIES_RATE, SERIES_DURATION = 700.0, 0.14
+"""Sample rate, Hz, and length, s: no two phases of a load are a whole number of samples apart."""
 
 
 def problem(realisation: int) -> Problem:

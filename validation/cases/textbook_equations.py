@@ -20,8 +20,9 @@ from scipy.optimize import brentq
 from lapjoint import Support
 
 ROOTS = 5
-_FIRST, _STEP = 0.3, 0.01  # the equations of free beams vanish at 0: those are rigid-body modes
-_KAPPA, _TAU = 20.0, 3.0  # k L^3 / EI and kt L / EI of the springs: neither negligible nor rigid
+_FIRST, _STEP = 0.3, 0.01
+"""First b and step of the search; the equations of free beams vanish at 0, where the rigid-body modes are."""
+_KAPPA, _TAU = 20.0, 3.0  # Springs k L^3 / EI and kt L / EI: neither negligible nor rigid
 FIXED = math.inf
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WITNESS_TOLERANCE = 2e-5
-"""Relative to the size of the motion: what truncation and element interpolation leave at the finest level here."""
+"""Error of truncation and of element interpolation at the finest level here, over the size of the motion."""
 
 
 def run(level: Level, say: Say) -> CaseResult:

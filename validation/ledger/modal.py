@@ -18,8 +18,8 @@ from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Estimate
 
 MESHES = (16, 32, 64)
-TIP = 2.5  # m
-QUOTED = (1, 2, 5)  # modes of the states with two springs that Section 3 goes by: 515 + 3, 820 - 6, 2950 + 20
+TIP = 2.5  # Position of the tip, m from the root
+QUOTED = (1, 2, 5)  # Modes of the states with two springs that Section 3 cites: 515 + 3, 820 - 6, 2950 + 20
 
 
 def modal_entries() -> list[Entry]:

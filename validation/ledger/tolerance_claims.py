@@ -8,10 +8,10 @@ import analytic
 from lapjoint import FREE, History, paper_joint
 from validation.ledger.entry import Entry, said
 
-FREQUENCIES = (515.0, 820.0, 2060.5, 2950.0)  # rad/s: the peaks, and a window of Figure 4
+FREQUENCIES = (515.0, 820.0, 2060.5, 2950.0)  # The peaks, and a window, of Figure 4, rad/s
 FEW, MANY = (8, 5), (30, 20)
 KINDS = ("free", "contact")
-TIP = 2.5  # m from the root
+TIP = 2.5  # Position of the tip, m from the root
 
 
 def tolerance_entries() -> list[Entry]:

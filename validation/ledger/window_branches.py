@@ -16,9 +16,9 @@ from lapjoint.problem import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-RANGE = (1390.0, 2170.0)  # rad/s: all windows, with something on both sides
+RANGE = (1390.0, 2170.0)  # Frequencies of the branch, rad/s: all windows, with a margin on both sides
 HARMLESS = "grazing"
-"""A bifurcation that need not change what kind of motion it is: what it changes, points and other bifurcations tell."""
+"""A bifurcation that need not change the kind of motion: points and other bifurcations show the change."""
 
 
 @dataclass(frozen=True)

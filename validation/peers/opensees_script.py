@@ -16,11 +16,11 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, Support, ViscousDamping
 
-FAR = 1e3  # m: where the law of the gap springs ends, far beyond any motion
-_Z, _ROTATION = 2, 3  # degrees of freedom of a node in a plane are counted: 1 along x, 2 across, 3 rotation
-_SPRING_DIRECTION = {_Z: 2, _ROTATION: 6}  # as zeroLength counts them
-_NEARLY = 1e3  # times the tolerance: distances that are nearer may still be on their way to it
-_SPRINGS = 10_000  # tags of springs and of their ground nodes start here
+FAR = 1e3  # Displacement at which the law of the gap springs ends, m: far beyond any motion
+_Z, _ROTATION = 2, 3  # Degrees of freedom of a node in a plane: 1 along x, 2 across, 3 rotation
+_SPRING_DIRECTION = {_Z: 2, _ROTATION: 6}  # Direction of a zeroLength element by degree of freedom
+_NEARLY = 1e3  # Distance over the tolerance below which a motion may still be settling to lower multiples
+_SPRINGS = 10_000  # First tag of springs and of their ground nodes
 
 
 @dataclass(frozen=True)

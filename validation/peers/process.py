@@ -16,7 +16,7 @@ from typing import Any
 
 from lapjoint.errors import InputError, SolverError
 
-_LAST_WORDS = 300  # characters of what a crashed process said that are worth repeating
+_LAST_WORDS = 300  # Characters shown of the last message of a crashed process
 
 
 def in_another_process(function: str, arguments: tuple[Any, ...], program: str, hint: str) -> Any:

@@ -38,12 +38,11 @@ from scipy.optimize import brentq, minimize_scalar
 from validation.references.rigid_bar import RigidBar
 
 Array = npt.NDArray[np.float64]
-_STATIONS = 4000
-"""Durations of the contact, evenly over all that are possible, between which bifurcations are looked for."""
-_SAMPLES = 400  # of each piece, at which it must be on its side of the stop
-_CLOSE = 1e-14  # of the period: durations are found as closely
-_TIGHT = 1e-7  # of the range of durations: how closely an extremum of Y is known, which leaves the square of this in Y
-_REAL = 1e-9  # imaginary part of a multiplier over its modulus, up to which it is real
+_STATIONS = 4000  # Durations of contact, evenly spaced over all possible ones, between which bifurcations are sought
+_SAMPLES = 400  # Samples of each piece at which the motion must be on its side of the stop
+_CLOSE = 1e-14  # Tolerance of durations over the period
+_TIGHT = 1e-7  # Tolerance of an extremum of Y over the range of durations; the error of Y is its square
+_REAL = 1e-9  # Largest imaginary part of a real multiplier over its modulus
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,9 +31,9 @@ _GIVEN = {name: float(text) for name, text in _GROUPS["sdnl104 problem"]["values
 LENGTH, DIAMETER = _GIVEN["length"], _GIVEN["diameter"]  # m
 MODULUS, DENSITY = _GIVEN["youngs_modulus"], _GIVEN["density"]  # Pa, kg/m3
 GAP, STIFFNESS, FORCE = _GIVEN["gap"], _GIVEN["stiffness"], _GIVEN["force"]  # m, N/m, N
-AT = 0.16  # s, of the kinetic energy
+AT = 0.16  # Time of the kinetic energy, s
 EI, MASS = MODULUS * math.pi * DIAMETER**4 / 64, DENSITY * math.pi * DIAMETER**2 / 4
-_STEP = 2e-5  # s, in which the tip is looked at: a thousandth of the slowest half period
+_STEP = 2e-5  # Time between samples of the tip, s: a thousandth of the slowest half period
 QUANTITIES = ("first_contact", "release", "impulse", "kinetic_energy")
 
 

@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-_REACH = 9.0  # standard deviations of the motion without stops: beyond, the density is below 1e-17
+_REACH = 9.0  # Range in standard deviations of the motion without stops: the density beyond is below 1e-17
 
 
 @dataclass(frozen=True)

@@ -31,9 +31,9 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 
 Array = npt.NDArray[np.float64]
 
-_TERMS = 600  # of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
+_TERMS = 600  # Terms of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
 _GAUSS = np.polynomial.legendre.leggauss(16)
-_PANELS = 400  # of the quadrature of the initial shapes: less than two half waves of the highest sine each
+_PANELS = 400  # Panels of the quadrature of the initial shapes: less than two half waves of the highest sine each
 
 
 @dataclass(frozen=True, eq=False)

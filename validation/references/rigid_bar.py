@@ -31,10 +31,11 @@ from scipy.optimize import brentq
 Array = npt.NDArray[np.float64]
 Closed = frozenset[int]
 
-_SAMPLES = 60  # of the gap functions in a period of the fastest mode or load; a contact longer than one is not missed
-_PERIODS = 2  # such periods that are looked at together
-_CLOSE = 1e-15  # s: switches are located as closely as double precision allows
-_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # of a contact's quadrature
+_SAMPLES = 60
+"""Samples of the gap functions in a period of the fastest mode or load: a contact longer than one is not missed."""
+_PERIODS = 2  # Such periods that are sampled together
+_CLOSE = 1e-15  # Tolerance of a switch, s: that of double precision
+_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # Panels and Gauss points of a contact's quadrature
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,10 @@ import numpy as np
 
 from validation.references.rigid_bar import Array, BarMotion, RigidBar
 
-_DIFFERENCE = 1e-6  # of the motion, by which it is moved to differentiate: the cube root of rounding
-_REPEATS = 1e-3  # of the motion: what a settled march returns to within a multiple of its period, at the latest
-_STEPS, _CLOSES = 20, 1e-12  # of Newton's method, and how closely the motion closes, over its size
+_DIFFERENCE = 1e-6  # Step of the finite differences over the size of the motion: the cube root of rounding
+_REPEATS = 1e-3  # Distance over the size of the motion to which a settled march repeats
+_STEPS, _CLOSES = 20, 1e-12
+"""Most steps of Newton's method, and the distance over the size of the motion at which it stops."""
 
 
 def periodic(bar: RigidBar, periods: int = 1, settle: int = 30) -> BarMotion:
