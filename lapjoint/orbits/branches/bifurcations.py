@@ -30,16 +30,16 @@ _HALVINGS = 8
 """Largest number of times that a step is halved to tell its bifurcations apart, to a 256th of the step; also the
 largest number of iterations to the place where two multipliers meet, of which two or three are needed."""
 _COUPLED = 0.5
-"""Least part of the way to the unit circle by which two multipliers that meet must part, to first order, for the place
-to be looked for; to first order the way is known to about a half."""
+"""Least distance by which two multipliers that meet must part, estimated to first order, divided by their distance from
+the unit circle, for the meeting to be located.  The first-order estimate is accurate to about a half."""
 _FAINT = 1e-4
-"""Modulus of a multiplier below which its products with other multipliers are not near 1: all others lie below 1e4."""
+"""Modulus of a multiplier below which its products with other multipliers are not near 1: all others are below 1e4."""
 _AT_GRAZE = 1e-5
-"""Arclength between a graze and the nearest motions whose multipliers are evaluated: at a graze the time of a switch
+"""Arclength between a graze and the nearest motions whose multipliers are evaluated.  At a graze the time of a switch
 has no derivative by the section, and multipliers exist as limits only."""
 _CRITICAL = 1e-2
-"""Largest distance from 1 of minus the multiplier at a flip, or of the product at a Neimark-Sacker bifurcation: beside
-a graze both change by up to 1e6 over an arclength of 1, of which Newton's method leaves 1e-9."""
+"""Largest distance from 1 of minus the multiplier at a flip, or of the product at a Neimark-Sacker bifurcation.  Beside
+a graze both change by up to 1e6 per unit of arclength, and Newton's method leaves an arclength of 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,9 @@ class Bifurcation:
     """A bifurcation of a curve."""
 
     kind: Kind
-    """What happens."""
+    """Fold, flip or Neimark-Sacker."""
     point: CurvePoint
-    """The motion there."""
+    """The motion at the bifurcation."""
 
 
 def fold_test(point: CurvePoint) -> float:
@@ -83,7 +83,7 @@ def torus_test(point: CurvePoint) -> float:
 
 
 def _pairs(point: CurvePoint) -> tuple[ComplexArray, ComplexArray]:
-    """The first multiplier of each pair that is not faint, and 1 less the product of the pair."""
+    """For each pair of multipliers that are not faint, the first multiplier, and 1 minus the product of both."""
     mu = point.multipliers
     mu = mu[np.abs(mu) > _FAINT]
     i, j = np.triu_indices(mu.size, 1)
@@ -112,9 +112,9 @@ def test_of(kind: Kind) -> Callable[[CurvePoint], float]:
 def within(stretch: Stretch) -> Iterator[Bifurcation]:
     """The bifurcations in a step of a curve, in the order of their arclengths.
 
-    Test functions change their signs there.  Two bifurcations of one kind within a step undo each other's change, so a
-    step is halved while the bifurcations found do not explain which multipliers lie outside the unit circle at its
-    ends.
+    A test function changes its sign at each bifurcation.  Two bifurcations of one kind within a step leave the sign
+    unchanged.  A step is therefore halved while the bifurcations found do not explain how many multipliers lie outside
+    the unit circle at its ends.
     """
     start, end = _ends(stretch)
     if start is not None and end is not None:
@@ -150,11 +150,12 @@ def _between(
 def _met(
     stretch: Stretch, start: tuple[float, CurvePoint], end: tuple[float, CurvePoint]
 ) -> tuple[float, CurvePoint] | None:
-    """A point where two multipliers that meet in a step have left the unit circle together, or have come into it; else
-    None.
+    """A point where two multipliers that meet within a step have crossed the unit circle together; None if there is
+    none.
 
-    Two multipliers of one modulus that meet may part in modulus for a while, and go on as if they had passed each
-    other: at both ends of the step as many lie outside.  Multipliers that met have exchanged their angles.
+    Two multipliers of one modulus that meet may differ in modulus for a while, and become equal in modulus again: the
+    number of multipliers outside the circle is then the same at both ends of the step.  Multipliers that met have
+    exchanged their angles.
     """
     if int((np.abs(start[1].multipliers) > _FAINT).sum()) < 2:
         return None
@@ -190,8 +191,8 @@ def _met(
 
 
 def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArray | None:
-    """The multipliers of a point, ordered by the vectors of another point's multipliers; None if their numbers
-    differ."""
+    """The multipliers of a point, each at the place of the eigenvector in `vectors` that it belongs to; None if the
+    numbers differ."""
     mu, own = point.linearisation.modes
     if mu.size != size:
         return None
@@ -203,7 +204,8 @@ def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArra
 
 
 def _explains(found: Sequence[Bifurcation], first: CurvePoint, last: CurvePoint) -> bool:
-    """Whether the bifurcations between two points explain which multipliers lie outside the unit circle at both points.
+    """Whether the bifurcations between two points explain how many multipliers lie outside the unit circle at both
+    points.
 
     Between neighbouring bifurcations the number of multipliers outside must not change.
     """
@@ -214,8 +216,8 @@ def _explains(found: Sequence[Bifurcation], first: CurvePoint, last: CurvePoint)
 
 
 def _outside(multipliers: ComplexArray, kind: Kind | None = None) -> set[int]:
-    """Number of multipliers outside the unit circle on either side of a bifurcation; without a bifurcation, one
-    number."""
+    """Possible numbers of multipliers outside the unit circle: before and after a bifurcation of the kind, or the one
+    number without a kind."""
     modulus, critical = np.abs(multipliers), 0 if kind is None else _PASSING[kind]
     if critical > modulus.size:
         return set()
@@ -225,8 +227,8 @@ def _outside(multipliers: ComplexArray, kind: Kind | None = None) -> set[int]:
 
 
 def _passing(first: CurvePoint, last: CurvePoint) -> int:
-    """Number of multipliers that pass the unit circle between two points; each multiplier is followed to its
-    nearest."""
+    """Number of multipliers that cross the unit circle between two points, each matched to its nearest at the other
+    point."""
     mu, other = (np.sort_complex(point.multipliers) for point in (first, last))
     if mu.size != other.size:
         return 0
@@ -260,8 +262,8 @@ def _at_graze(point: CurvePoint) -> bool:
 def is_critical(kind: Kind, point: CurvePoint) -> bool:
     """Whether the multipliers at a zero of a test function are those of its bifurcation.
 
-    They are not where a multiplier passes infinity, so that the test function jumps from one sign to the other, nor
-    where the pair with product 1 is the real pair of a saddle.
+    They are not where a multiplier passes infinity, because the test function then jumps from one sign to the other.
+    They are not, either, where the pair with product 1 is the real pair of a saddle.
     """
     if kind == "fold":
         return True
@@ -305,11 +307,11 @@ def nearest_of(known: Mapping[float, CurvePoint], length: float) -> CurvePoint |
 
 
 def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exact: bool = True) -> CurvePoint | None:
-    """The curve point in the hyperplane at an arclength, of either sign, along a point's tangent; None if none is
-    found.
+    """The curve point in the hyperplane at the arclength `length`, of either sign, along the tangent of `start`; None
+    if none is found.
 
-    Newton's method begins at `near`, a nearer point of the curve, if one is known.  The tangent goes on in its
-    direction.
+    Newton's method begins at `near`, a nearer point of the curve, if one is known.  The tangent of the result points
+    the same way along the curve.
     """
     near = start if near is None else near
     rate = float(start.tangent @ (near.tangent * near.scale / start.scale))

@@ -1,10 +1,12 @@
-r"""Periodic motions with a given contact sequence as a boundary value problem, and its derivative.
+"""Periodic motions with a given contact sequence as a boundary value problem, and its derivative.
 
-The unknowns are u = (x, delta_1 ... delta_F, p): displacements and velocities x at the section, the durations of all
-arcs but the last over the length L of the motion, F of them, and the parameter p.  The equations are the closure
-y(L) = x (for an odd number of half periods the mirror image -y(L) = x) and one equation for each of the F events, see
-`lapjoint.orbits.arcs`.  With the derivatives A = y_x, B = y_delta, C = g_x, D = g_delta of closure and events the
-monodromy matrix is A - B D^-1 C.
+The unknowns are u = (x, delta_1 ... delta_F, p).  The vector x holds displacements and velocities at the section, and p
+is the parameter.  Each delta is the duration of an arc, divided by the length L of the motion; the last arc takes the
+rest of L.
+
+The equations are the closure y(L) = x (for an odd number of half periods, with the mirror image, -y(L) = x) and one
+equation g = 0 for each of the F events, see `lapjoint.orbits.arcs`.  With the derivatives A = y_x, B = y_delta, C =
+g_x, D = g_delta of closure and events, the monodromy matrix is A - B D^-1 C.
 """
 
 from __future__ import annotations
@@ -30,13 +32,14 @@ class BoundaryProblem:
     sequence: ContactSequence
     """Which stops switch between the section and its image, ``M`` events."""
     half_periods: int
-    """Number of half periods of the excitation after which the motion repeats; mirrored, if it is odd."""
+    """Number of half periods of the excitation after which the motion repeats; an odd number means that it repeats
+    mirrored."""
     phase: float
-    """Time of the section over the excitation period, from 0 to 1."""
+    """Time of the section, divided by the excitation period, from 0 to 1."""
     tied: frozenset[int] = frozenset()
-    """Events that happen together with the event before, of another stop: the arc between has no duration, and the
-    equation of the first event of such a group stands for the group.  Stops that mirror each other along the beam
-    switch together."""
+    """Simultaneous events: indices of the events that happen together with the event before, of another stop.  The arc
+    between two tied events has no duration, and the equation of the first event of a group stands for the group. Stops
+    that mirror each other along the beam switch together."""
 
     @property
     def events(self) -> int:
@@ -45,12 +48,13 @@ class BoundaryProblem:
 
     @cached_property
     def free(self) -> npt.NDArray[np.intp]:
-        """The events that are not tied to the one before, and the arcs that end with them, shape ``(F,)``."""
+        """Indices of the F events that are not tied to the event before, and of the arcs that end with them, shape
+        ``(F,)``."""
         return np.array([i for i in range(self.events) if i not in self.tied], dtype=np.intp)
 
     def packed(self, x: FloatArray, shares: FloatArray, value: float) -> FloatArray:
-        """The unknowns u, shape (n + F + 1,), of section `x`, shape (n,), durations over the length, shape (M,) or (M +
-        1,), and parameter."""
+        """The unknowns u, shape (n + F + 1,), of section `x`, shape (n,), durations `shares` divided by the length,
+        shape (M,) or (M + 1,), and parameter `value`."""
         return np.concatenate([x, np.asarray(shares, dtype=float)[self.free], [value]])
 
     def coordinates(self, u: FloatArray) -> int:
@@ -58,11 +62,11 @@ class BoundaryProblem:
         return u.size - 1 - self.free.size
 
     def position(self, u: FloatArray, arc: int) -> int:
-        """Index of an arc's duration among the unknowns; the arc ends with an event that is not tied."""
+        """Index of an arc's duration among the unknowns; the arc must end with an event that is not tied."""
         return self.coordinates(u) + int(np.searchsorted(self.free, arc))
 
     def group(self, event: int) -> range:
-        """The events that happen together with one event, in their sequence; the first one is not tied."""
+        """Indices of the events that happen together with an event, itself included; the first of them is not tied."""
         first, last = event, event + 1
         while first in self.tied:
             first -= 1
@@ -71,11 +75,11 @@ class BoundaryProblem:
         return range(first, last)
 
     def arcs(self, u: FloatArray) -> Arcs:
-        """The arcs of the problem whose parameter is that of the unknowns, shape (n + F + 1,)."""
+        """The arcs of the problem with the parameter that is the last of the unknowns `u`, shape (n + F + 1,)."""
         return self.resolution.arcs(float(u[-1]))
 
     def shares(self, u: FloatArray) -> FloatArray:
-        """Durations of all arcs over the length of the motion, shape (M + 1,); their sum is 1."""
+        """Durations of all arcs, divided by the length of the motion, shape (M + 1,); their sum is 1."""
         shares = np.zeros(self.events + 1)
         shares[self.free] = u[self.coordinates(u) : -1]
         shares[-1] = 1.0 - shares.sum()
@@ -141,13 +145,14 @@ class Linearisation:
     residual: FloatArray
     """Left sides of the equations, shape ``(n + F,)``."""
     jacobian: FloatArray
-    """Their derivatives by the unknowns, shape ``(n + F, n + F + 1)``."""
+    """Derivatives of the left sides by the unknowns, shape ``(n + F, n + F + 1)``."""
     chain: Chain
-    """The arcs."""
+    """The arcs with these unknowns, and their derivatives."""
 
     @cached_property
     def monodromy(self) -> FloatArray:
-        """Derivative of the section's image by the section while the events keep their equations, shape ``(n, n)``."""
+        """Derivative of the section's image by the section, with the events at their switching times, shape ``(n,
+        n)``."""
         n = self.chain.end.size
         J = self.jacobian[:, :-1]
         A, B, C, D = J[:n, :n] + np.eye(n), J[:n, n:], J[n:, :n], J[n:, n:]
@@ -161,5 +166,5 @@ class Linearisation:
 
     @cached_property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of the monodromy matrix over the motion's half periods, shape ``(n,)``."""
+        """Eigenvalues of the monodromy matrix, over all half periods of the motion, shape ``(n,)``."""
         return np.linalg.eigvals(self.monodromy).astype(complex)

@@ -20,30 +20,31 @@ from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
 from lapjoint.problem import FloatArray, SampledShape
 
 Verdict = Literal["agrees", "apart", "not found", "no error stated"]
-"""Whether two solvers have a bifurcation at the same value of the parameter."""
+"""Whether two solvers locate a bifurcation at the same value of the parameter."""
 _SAMPLES = 401
-"""Number of places along the beam at which a motion is sampled: Newton's method corrects what sampling leaves."""
+"""Number of places along the beam at which a motion is sampled; Newton's method corrects the error of sampling."""
 _TRIED = 3
-"""Largest number of resolutions of the other solver with which a search begins: the coarsest may lack what finer ones
-have."""
+"""Largest number of resolutions of the other solver from which a search begins: the coarsest may lack a bifurcation
+that finer ones have."""
 
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What another solver says of a bifurcation or graze."""
+    """The result of locating a bifurcation or graze by another solver."""
 
     verdict: Verdict
     """``agrees`` if the values differ by at most the sum of their errors, ``apart`` if by more, ``not found``, or ``no
     error stated`` where an error is infinite."""
     other: Stated | None
-    """What the other solver has; None where it does not find it."""
+    """The other solver's bifurcation or graze with its error; None if it is not found."""
 
 
 def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
     """Locate a bifurcation or graze by another solver, over the same range.
 
-    The other solver begins with its coarsest resolution, and with the next finer ones while no error can be stated.  A
-    value that is apart counts only if the first solver, from there, locates its own bifurcation again.
+    The other solver begins with its coarsest resolution, and tries finer ones as long as no error can be stated.  The
+    verdict ``apart`` counts only if the first solver, starting from the other solver's motion, locates its own
+    bifurcation again.
     """
     best = Confirmation("not found", None)
     for resolution in islice(other.resolution(one.value).and_finer(), _TRIED):
@@ -58,14 +59,15 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
 
 
 def located(what: Located, resolution: Resolution) -> Stated | None:
-    """A bifurcation or graze by another solver, from one of that solver's resolutions on; None if it is not found
-    nearby."""
+    """A bifurcation or graze by another solver, with its error from `resolution` and finer ones; None if it is not
+    found nearby."""
     found = again(what, partial(shaped, resolution=resolution))
     return None if found is None else stated(found)
 
 
 def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion taken to another solver; None if the section has another contact state there."""
+    """A motion of one solver as equations and a guess for another solver; None if the section has another contact state
+    there."""
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
     history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.beam.length

@@ -1,8 +1,8 @@
 """Pseudo-arclength continuation of periodic motions, from contact sequence to contact sequence.
 
-A step goes along the tangent, and Newton's method leads back to the curve within the hyperplane normal to the tangent.
-Where the contact sequence ceases to fit within a step, the change is located, and the curve goes on with the sequence
-after the change.
+A step predicts a point along the tangent; Newton's method then finds the curve in the hyperplane normal to the tangent.
+Where the contact sequence becomes invalid within a step, the change is located, and the curve is continued with the
+sequence after the change.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ class End:
     """Why a curve ends."""
 
     reason: str
-    """``boundary`` at an end of the range, ``graze`` where no motion of the joint lies beyond a change of the contact
-    sequence, ``contacts`` where contacts accumulate, ``lost`` where no step leads on."""
+    """``boundary`` at an end of the range, ``graze`` where the joint has no motion beyond a change of the contact
+    sequence, ``contacts`` where contacts accumulate, ``lost`` where no step finds a further point."""
 
 
 Step = Stretch | SequenceChange | End
 
 
 def follow(start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve in the direction of a point's tangent: steps in their sequence, changes between them, and why it
-    ends.
+    """Follow a curve in the direction of a point's tangent: yield its steps in sequence, the changes between them, and
+    last why the curve ends.
 
-    The first point is not given again.
+    The start is not yielded again.
     """
     options = start.problem.resolution.options
     here, step, last = start, options.first_step, None
@@ -90,8 +90,8 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
     """The first motion of the joint beyond a change whose new arc is on the wrong side of its stop while the arc is
     short.
 
-    The curve of the equations goes on through motions that the joint does not have.  None if no motion of the joint
-    lies within the largest step of the curve.
+    There the equations have solutions that the joint cannot follow.  None if no motion of the joint lies within the
+    largest step of the curve.
     """
     here, stop = change.after, change.stops[0]
     assert here is not None
@@ -112,7 +112,7 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
 
 
 def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
-    """The point a step along a curve, or at the end of the range where the end is nearer; and whether it is at the
+    """The point one step along a curve, or at the end of the range if the end is nearer; and whether it is at the
     end."""
     resolution, value = here.problem.resolution, float(here.predicted(step)[-1])
     if resolution.low < value < resolution.high:
@@ -125,7 +125,7 @@ def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
 
 
 def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
-    """The curve point at a value of the parameter, in its SI unit, at most an arclength ahead of another point.
+    """The curve point at a value of the parameter, in its SI unit, at most the arclength `most` ahead of `here`.
 
     None if Newton's method finds none, or the curve turns too much.
     """
@@ -137,9 +137,10 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
-    """The point a step along a curve, of either sign; None if Newton's method finds none, or leads too far aside.
+    """The point one step of arclength `length` along a curve, of either sign; None if Newton's method finds none, or a
+    point too far from the tangent.
 
-    An evenly curved step that turns by an angle leads aside by half of the angle times the step.
+    The end of an evenly curved step that turns by an angle is half of the angle times the step away from the tangent.
     """
     guess = here.predicted(length)
     new = solved(here.problem, guess, here.scale, here.tangent)
@@ -148,10 +149,10 @@ def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
 
 
 def _going_on(here: CurvePoint, found: CurvePoint | None) -> CurvePoint | None:
-    """A point as the next point of a curve; None if it is on another part of the curve, or the curve turns too much.
+    """`found` as the next point of a curve; None if it is on another part of the curve, or the curve turns too much.
 
-    On another part of the curve the orientation differs, unless the curve has met the curve of motions that repeat in
-    half of the time; or the parameter has gone against the tangents at both ends.
+    A point is on another part of the curve if its orientation differs, unless the curve has met the curve of motions
+    that repeat in half of the time.  It is there, too, if the parameter has changed against the tangents at both ends.
     """
     if found is None:
         return None

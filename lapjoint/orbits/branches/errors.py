@@ -1,10 +1,10 @@
 """Errors of bifurcations and grazes: each is located again at finer resolutions, each time from the resolution before.
 
-The value stated is the value at the finest resolution that was used.  Its error is the bound that the last refinement
-gives, or, if larger, the bound before reduced by the order of convergence (see `lapjoint.orbits.refinement`): two
-resolutions may agree by chance.  At a graze the distance between both sides is added.  Resolutions are refined until
-the error is at most `AIM`, at least twice.  The error is infinite where one resolution does not locate the bifurcation
-nearby.
+The value stated is the value at the finest resolution used.  Its error is the bound that the last refinement gives, or,
+if larger, the bound of the refinement before, reduced by the order of convergence (see `lapjoint.orbits.refinement`):
+two resolutions may agree by chance.  For a graze, the distance between the values on both sides is added.  Resolutions
+are refined at least twice, until the error is at most `AIM`.  The error is infinite if a resolution does not locate the
+bifurcation nearby.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 AIM = 1e-5
-"""Error of a value, over the scale of the parameter, that ends the refinement."""
+"""Error of a value, divided by the scale of the parameter, at which refinement ends."""
 _MOST = 5
 """Largest number of refinements: the fifth has seven times the resolution."""
 _NEAR = 0.05
-"""Largest arclength between a bifurcation at two resolutions: farther on, another bifurcation may lie."""
+"""Largest arclength between a bifurcation at two resolutions; a bifurcation farther away may be another one."""
 
 Located = Bifurcation | SequenceChange
 Carry = Callable[[CurvePoint], tuple[BoundaryProblem, FloatArray] | None]
-"""Takes a motion to another resolution: its equations there, and a guess of the unknowns, shape (n + F + 1,), or
-None."""
+"""Takes a motion to another resolution: its equations there, and a guess of the unknowns, shape (n + F + 1,); None if
+the motion does not exist there."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Stated:
     value: float
     """The parameter, in its SI unit."""
     error: float
-    """Its error, in that unit; infinite where none can be stated."""
+    """Bound of the value's error, in the unit of the value; infinite where none can be stated."""
     what: Located = field(repr=False)
-    """What the finest resolution located."""
+    """The bifurcation or graze at the finest resolution."""
 
 
 def stated(what: Located) -> Stated:
@@ -101,7 +101,7 @@ def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem,
 def with_section(
     point: CurvePoint, resolution: Resolution, section: SectionPoint
 ) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion at another resolution at which its section is known; durations and parameter stay what they are."""
+    """A motion at another resolution at which its section is known; durations and parameter are kept."""
     if section.state != point.problem.sequence.first:
         return None
     coordinates = resolution.arcs(point.value).coordinates(section)
@@ -109,12 +109,12 @@ def with_section(
 
 
 def _bound(refinement: Refinement, apart: float) -> float:
-    """The error of a value that differs at a finer resolution."""
+    """Bound of the error of a value that differs by `apart` at a finer resolution."""
     return float(refinement.bounds(np.array([apart]), abs(apart))[0])
 
 
 def _offset(what: Located) -> float:
-    """Distance of the parameter between both sides of a graze; 0 for a bifurcation."""
+    """Distance of the parameter between both sides of a graze, in its SI unit; 0 for a bifurcation."""
     return 0.0 if isinstance(what, Bifurcation) else what.offset
 
 
@@ -167,7 +167,8 @@ def _by_bracket(near: CurvePoint, kind: Kind) -> CurvePoint | None:
 
 
 def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
-    """The motion with an arc of no duration, and from it the motion without that arc."""
+    """The graze at the other resolution: the motion with an arc of zero duration, and from it the motion without that
+    arc."""
     more = what.more
     guess = None if more is None else carry(centred(more))
     found = None if guess is None else with_ended_arc(*guess)

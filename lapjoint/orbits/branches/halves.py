@@ -1,7 +1,7 @@
 """Motions that repeat in half of their time, and motions that spring from them: at flips and broken symmetries.
 
-A motion of twice as many half periods springs where a multiplier passes -1.  In its first half it differs from the
-motion at the flip by the multiplier's vector, in its second half by the opposite.  Where both branches meet again, this
+A motion of twice as many half periods springs where a multiplier passes -1.  Its first half differs from the motion at
+the flip by the multiplier's eigenvector, its second half by the opposite vector.  Where both branches meet again, this
 difference passes zero.
 """
 
@@ -22,9 +22,9 @@ from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = tuple(1e-2 * 0.5**k for k in range(14))
 """Arclengths from a bifurcation at which a motion of the springing branch is looked for, in turn, each half of the
-length before.  The first finds a motion unless the branch is narrower, or grazes a stop before; beside a graze,
-rounding decides whether Newton's method finds a motion much nearer.  Each length is tried to either side: motions on
-both sides are images of each other, but for what passages lose."""
+length before.  The first finds a motion unless the branch is narrower, or grazes a stop before.  Much nearer to a
+graze, rounding decides whether Newton's method finds a motion.  Each length is tried to either side: motions on both
+sides are images of each other, except for the part of a motion that the solver loses at a change of contact state."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
@@ -47,7 +47,8 @@ def springing(point: CurvePoint) -> CurvePoint | None:
 
 
 def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
-    """The motion of a point taken twice, and the direction in which a motion of twice the length differs from it."""
+    """The motion of a point taken twice, and the direction in which a motion of twice the length differs from the
+    motion."""
     problem, n, M = point.problem, point.coordinates, point.problem.events
     twins = mirror_twins(problem.arcs(point.u).problem) if problem.half_periods % 2 else None
     stops = problem.sequence.stops
@@ -72,11 +73,11 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
 
 
 def beside_graze(change: SequenceChange) -> CurvePoint | None:
-    """A motion of twice the length beside a graze, of which one half alone has the contact.
+    """A motion of twice the length beside a graze, in which only one half has the contact.
 
-    At the graze the motion taken twice, with the contact of no duration in one half alone, solves the equations.  Most
-    branches that spring so lead to a flip just beside the graze, where a motion of theirs is found already: so this one
-    is looked for at the largest arclength at which a branch from a flip is.
+    At the graze the motion taken twice, with the contact of zero duration in one half only, solves the equations.  Most
+    branches that spring there lead to a flip just beside the graze, where a motion of the branch is found already.  The
+    motion is therefore looked for only at the largest arclength of those tried at a flip.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def beside_graze(change: SequenceChange) -> CurvePoint | None:
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:
-    """How much a motion misses to repeat in half of its time, in scaled coordinates of the section, shape (n,).
+    """Difference between a motion and itself half of its time later, in scaled coordinates of the section, shape (n,).
 
     None if the contact sequences of both halves differ, or half of the time is no period of the problem.
     """
@@ -129,8 +130,8 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
 
 
 def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
-    """Whether the difference of both halves passes zero between two points of a curve: there motions of half the time
-    branch."""
+    """Whether the difference of both halves passes zero between two points of a curve: motions of half the time branch
+    there."""
     first, last = half_difference(here), half_difference(new)
     return first is not None and last is not None and float(first @ last) < 0
 
@@ -140,19 +141,18 @@ class Meeting:
     """Where a branch meets the branch of motions that repeat in half of the time."""
 
     point: CurvePoint
-    """The motion where they meet, as one of the branch that ends there."""
+    """The motion where they meet, as a point of the branch that ends there."""
     mother: CurvePoint
-    """That motion as one that repeats in half of the time: at its multiplier -1 the branch springs."""
+    """The motion where they meet, as one that repeats in half of the time; the branch springs at its multiplier -1."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where a branch comes to motions that repeat in half of the time, in a step or just beyond it; None if it does
-    not.
+    """Where a branch comes to motions that repeat in half of the time, in a step or just beyond it; None if nowhere.
 
-    There the equations of the branch are singular, and the equations of the other branch, which flips, are regular.
-    What passages lose of a motion joins both branches beside that point, so that a curve in small steps never comes
-    there. Therefore the point is looked for as soon as the halves differ as little as where a springing branch is
-    looked for.
+    At the meeting the equations of the branch are singular, and those of the branch that flips are regular.  The part
+    of a motion that the solver loses at a change of contact state joins both branches beside the meeting, so that a
+    curve in small steps never reaches it.  The meeting is therefore looked for as soon as the difference of both halves
+    is as small as at the points where a springing branch is looked for.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
     if first is None or last is None or float(first @ last) >= float(first @ first):
@@ -177,10 +177,10 @@ def meeting(stretch: Stretch) -> Meeting | None:
 
 
 def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
-    """A motion that repeats in half of its time, as a point of that time; None if its halves differ by more than
-    `same`.
+    """A motion that repeats in half of its time, as a curve point of half the length; None if its halves differ by more
+    than `same`.
 
-    Of a motion that grazes, a point beside the graze is given, where there is room.
+    For a motion that grazes, a point beside the graze is given, where there is room.
     """
     missed = half_difference(point)
     if missed is None or float(np.linalg.norm(missed)) > same:

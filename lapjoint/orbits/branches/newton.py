@@ -1,12 +1,13 @@
-r"""Newton's method for a boundary value problem, bordered by one more equation.
+"""Newton's method for a boundary value problem, bordered by one more equation.
 
-With scaled unknowns v = u / scale, the equations F(u) = 0 and the border row . (v - v_guess) = c are solved together:
+With scaled unknowns v = u / scale, the equations F(u) = 0 and the border row . (v - v_guess) = 0 are solved together.
+Each step dv solves
 
-    [ F_u scale ] dv = [ -F                        ]
-    [ row       ]      [ c - row . (v - v_guess)   ]
+    [ F_u scale ] dv = - [ F                   ]
+    [ row       ]        [ row . (v - v_guess) ]
 
-Rows of the first block are divided by their largest entry, which takes the units from them.  Short steps at the end
-are made with the derivative of the step before: that changes how fast the method converges, and not to what.
+Each row of the first block is divided by its largest entry, which makes the rows dimensionless.  A short step is
+followed by a step with the same derivative: this changes how fast the method converges, and not the solution.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ class Solution:
     u: FloatArray
     """The unknowns."""
     linearisation: Linearisation
-    """Equations and derivative at the solution, or a last, tiny step before."""
+    """Equations and derivative at the solution, or one tiny Newton step before it."""
     tangent: FloatArray
-    """Unit tangent of the curve in scaled unknowns, towards the border row."""
+    """Unit tangent of the curve in scaled unknowns, with a positive product with the border row."""
     orientation: int
     """Sign of the determinant of the derivative bordered by this tangent; it keeps its sign along a smooth curve."""
 
@@ -39,11 +40,11 @@ class Solution:
 def solve(
     problem: BoundaryProblem, guess: FloatArray, scale: FloatArray, row: FloatArray, exact: bool = False
 ) -> Solution | None:
-    """The solution to which Newton's method leads from a guess, in the hyperplane through the guess that `row` is
-    normal to.
+    """The solution to which Newton's method leads from a guess, in the hyperplane through the guess with the normal
+    `row`.
 
-    Guess, scale (the size of each unknown) and row (for scaled unknowns) have shape (n + F + 1,).  With `exact`, the
-    derivative is evaluated anew for short steps, too.  None if Newton's method finds no solution.
+    `guess`, `scale` (the size of each unknown) and `row` (for scaled unknowns) have shape (n + F + 1,).  With `exact`,
+    the derivative is evaluated anew for every step.  None if Newton's method finds no solution.
     """
     options = problem.resolution.options
     u, last, shortest, kept = guess, np.zeros(guess.size), np.inf, False

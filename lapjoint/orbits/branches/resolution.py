@@ -23,14 +23,16 @@ from lapjoint.problem.symmetry import mirror_twins
 _KEPT = 32
 """Number of period maps that are cached: Newton's method and differences return to a few parameters."""
 _LOOKED_AT = 9
-"""Number of problems, evenly spread over a zone, the hardest of which decides the resolution of the zone."""
+"""Number of problems, evenly spread over a zone, that are tested; the hardest of them decides the resolution of the
+zone."""
 _ZONE = 8.0
-"""Ratio of the ends of a zone, about: at a change of resolution the curve jumps by its errors, so zones are few."""
+"""Approximate ratio of the ends of a zone.  At a change of resolution the curve jumps by its errors, so zones are
+few."""
 
 
 @runtime_checkable
 class HasPeriodMap(Protocol):
-    """A solver that gives its period map."""
+    """A solver with a period map."""
 
     @property
     def name(self) -> str:
@@ -42,7 +44,7 @@ class HasPeriodMap(Protocol):
 
 @runtime_checkable
 class Resolves(Protocol):
-    """A solver that chooses its resolution by the problem, and can be held to one resolution for several problems."""
+    """A solver that chooses its resolution by the problem, and can use one resolution for several problems."""
 
     def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
         """The solver, with the one resolution that the hardest of some problems needs."""
@@ -53,7 +55,7 @@ class Refines(Protocol):
     """A solver that gives a finer solver, by which its errors are estimated."""
 
     def finer(self, problem: Problem) -> tuple[Refinement, HasPeriodMap] | None:
-        """What is known of the refinement, and a finer solver; None if there is none."""
+        """The order and bound of the refinement, and a finer solver; None if there is none."""
 
 
 class Resolution:
@@ -109,18 +111,18 @@ class Resolution:
         return cast(HasArcs, self.map(value)).arcs
 
     def scale(self, value: float) -> float:
-        """What a change of the parameter is compared with, above zero: its size, or the whole range where the range
-        includes zero."""
+        """Size of the parameter, or of the whole range if the range includes zero; above zero.  Changes of the
+        parameter are divided by it."""
         return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
 
     def difference_step(self, value: float) -> float:
-        """Step of a difference by the parameter, in its unit, of the sign that does not lead out of the range."""
+        """Step of a difference quotient by the parameter, in its unit, with the sign that stays within the range."""
         step = self.options.difference_step * self.scale(value)
         return step if value + step <= self.high else -step
 
     @property
     def finer(self) -> tuple[Refinement, Resolution] | None:
-        """What is known of the refinement, and the next finer resolution; None if the solver has no finer one."""
+        """The order and bound of the refinement, and the next finer resolution; None if the solver has no finer one."""
         if self._finer is None and isinstance(self.solver, Refines):
             found = self.solver.finer(self.problem_at(self.high))
             if found is not None:
@@ -195,9 +197,10 @@ class ParameterRange:
 def zones_of(
     solver: HasPeriodMap, problem_at: Callable[[float], Problem], low: float, high: float
 ) -> list[tuple[float, HasPeriodMap]]:
-    """A range of a parameter, cut into zones: the upper end of each, ascending, and the solver that resolves the zone.
+    """A range of a parameter, cut into zones: the upper end of each, ascending, and the solver with the resolution of
+    the zone.
 
-    Neighbours of one resolution are one zone.
+    Neighbouring zones with one resolution are merged.
     """
     if not isinstance(solver, Resolves):
         return [(high, solver)]

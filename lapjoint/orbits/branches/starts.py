@@ -1,4 +1,4 @@
-"""Motions from which curves are followed: a contact sequence, and the unknowns to begin with."""
+"""Motions from which curves are followed: a contact sequence, and a guess of the unknowns."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class Start:
-    """A motion from which a curve is followed, as the equations have it."""
+    """A motion from which a curve is followed, in the terms of `BoundaryProblem`."""
 
     sequence: ContactSequence
-    """Its contact sequence."""
+    """Contact sequence of the motion."""
     half_periods: int
     """Half periods of the excitation after which the motion repeats."""
     phase: float
-    """Time of its section over the excitation period."""
+    """Time of the section, divided by the excitation period."""
     unknowns: FloatArray = field(repr=False)
-    """Coordinates of the section, durations over the length, and the parameter."""
+    """Coordinates of the section, durations divided by the length of the motion, and the parameter."""
     tied: frozenset[int] = frozenset()
-    """Events that happen together with the event before, see `BoundaryProblem.tied`."""
+    """Events that happen simultaneously with the event before, see `BoundaryProblem.tied`."""
     away_from: tuple[float, SectionPoint] | None = None
-    """The bifurcation at which its branch springs: the parameter, and the motion; None if none is known."""
+    """The bifurcation from which the branch springs: the parameter, and the motion there; None if none is known."""
     direction: FloatArray | None = field(default=None, repr=False)
     """Direction along the curve that is followed first, in the units of the unknowns; None for a growing parameter."""
 
@@ -46,15 +46,15 @@ class Start:
 
     @staticmethod
     def at(point: CurvePoint, away_from: tuple[float, SectionPoint] | None = None) -> Start:
-        """A curve point as a start, its tangent in the direction that is followed first."""
+        """A curve point as a start; the direction of its tangent is followed first."""
         problem = point.problem
         way = None if away_from is None else point.tangent * point.scale
         own = problem.sequence, problem.half_periods, problem.phase
         return Start(*own, point.u, problem.tied, away_from, way)
 
     def solved(self, of: ParameterRange) -> CurvePoint | None:
-        """The start as a curve point, its tangent in the direction that is followed first; None if the motion is not
-        found again."""
+        """The start as a curve point, its tangent in the direction that is followed first; None if Newton's method does
+        not find the motion again."""
         problem = BoundaryProblem(of.resolution(self.value), self.sequence, self.half_periods, self.phase, self.tied)
         found = at_parameter(problem, self.unknowns) or nearest(problem, self.unknowns)
         if found is None or violated(found):
@@ -70,7 +70,7 @@ class Start:
 def at_parameter(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     """The motion near a guess, shape (n + F + 1,), at the guess's parameter; None if Newton's method finds none.
 
-    The tangent goes towards a larger parameter.
+    The tangent points towards a larger parameter.
     """
     return holding(problem, guess, guess.size - 1)
 
@@ -96,7 +96,8 @@ def periodic_motion(
     """The periodic motion near the end of a march, and the fewest half periods after which it repeats; None if none is
     found.
 
-    Two motions are one if their distance over their size is below `same`.  `SolverError` if the march cannot go on.
+    Two motions are one if their distance, divided by their size, is below `same`.  `SolverError` if the march cannot go
+    on.
     """
     effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
     motion = SteadyStateSearch(half.map, effort).run(point).motion
@@ -119,8 +120,8 @@ def _least(half: HalfPeriods, orbit: Orbit, same: float) -> int:
 
 
 def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_periods: int) -> Start:
-    """A motion whose section point at a multiple of the excitation period is known, with the contact sequence of its
-    march."""
+    """The start at a motion whose section point at a multiple of the excitation period is known; a march gives its
+    contact sequence."""
     half = HalfPeriods(resolution.map(value))
     segments = half.linearised(point, half_periods).linearised.motion
     at = np.flatnonzero(segments.switched >= 0)
@@ -134,8 +135,8 @@ def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_pe
 
 
 def without_contact(of: ParameterRange, value: float) -> Start | None:
-    """The motion without contact, at a parameter in its SI unit; None if a stop is in its way, or there is no such
-    motion."""
+    """The motion without contact, at a parameter in its SI unit; None if the motion would reach a stop, or does not
+    exist."""
     resolution = of.resolution(value)
     arcs = resolution.arcs(value)
     problem = BoundaryProblem(resolution, ContactSequence(FREE), of.least, 0.0)

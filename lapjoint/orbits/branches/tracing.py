@@ -31,9 +31,9 @@ class Limits:
     max_points: float = np.inf
     """Largest number of its points."""
     progress: Callable[[float], None] | None = None
-    """Called with the share of the range, or of the points, that is done."""
+    """Called with the fraction of the range, or of the points, that is done."""
     from_grazes: bool = False
-    """Whether motions of twice the length are looked for beside its grazes."""
+    """Whether motions of twice the length are looked for beside grazes."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Found:
     what: Bifurcation | SequenceChange
     """The bifurcation or the change of the contact sequence that was located."""
     index: int
-    """Number of points of the curve before it."""
+    """Number of points of the curve before the bifurcation or graze."""
     after: str = ""
     """What the curve does beyond a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
 
@@ -59,7 +59,7 @@ class Way:
     end: str = ""
     """Why the curve ends."""
     mother: Start | None = None
-    """Where the curve ends as ``bifurcation``: its motion as one that repeats in half of the time."""
+    """If the curve ends as ``bifurcation``, its last motion as one that repeats in half of the time; else None."""
 
     @property
     def ends_at_graze(self) -> bool:
@@ -67,7 +67,7 @@ class Way:
         return bool(self.found) and self.found[-1].after == "ends"
 
     def turned(self) -> Way:
-        """The curve in the opposite direction; indices of bifurcations belong to the opposite sequence."""
+        """The curve in the opposite direction, with the indices of its bifurcations counted from the opposite end."""
         count = len(self.points)
         found = [replace(one, index=count - one.index) for one in reversed(self.found)]
         return Way([point.turned() for point in reversed(self.points)], found, self.end, self.mother)
@@ -86,9 +86,9 @@ class Traced:
     starts: list[Start] = field(repr=False)
     """A motion of each branch that springs from this branch, and of the branch from which this branch springs."""
     springs: list[tuple[float, SectionPoint]] = field(repr=False)
-    """Where the branch springs from other branches, at either end: the parameter, and the motion."""
+    """Where the branch springs from other branches, at either end: the parameter, and the motion there."""
     unsprung: list[Bifurcation] = field(repr=False)
-    """Bifurcations at which a branch springs, though no motion of that branch was found."""
+    """Bifurcations from which a branch springs, but no motion of that branch was found."""
 
 
 def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits | None = None) -> Traced | None:
@@ -119,10 +119,10 @@ def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits |
 def _sprung(
     found: list[Bifurcation | SequenceChange], most_multiple: int, from_grazes: bool
 ) -> tuple[list[Start], list[Bifurcation]]:
-    """A motion of each branch that springs from a curve, and the bifurcations of which none was found.
+    """A motion of each branch that springs from a curve, and the bifurcations for which none was found.
 
-    A graze may have a flip so near that the motion there does not tell which of both a branch springs from: that of a
-    graze keeps no bifurcation.
+    A graze may have a flip so near that a motion beside it may belong to the branch of either; a motion found from a
+    graze therefore records no bifurcation.
     """
     starts, unsprung = list[Start](), list[Bifurcation]()
     for what in found:
@@ -193,8 +193,8 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 
 def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
-    """Whether a bifurcation is nearer to a graze than the distance between both sides of the graze, which passages
-    lose."""
+    """Whether a bifurcation is nearer to a graze than the distance between both sides of the graze, which is an error
+    of truncation."""
     grazes = [other.what for other in neighbours if isinstance(other.what, SequenceChange)]
     what = one.what
     if not isinstance(what, Bifurcation):
@@ -203,7 +203,7 @@ def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
 
 
 def _is_same_change(one: SequenceChange, other: SequenceChange) -> bool:
-    """Whether a curve comes to a change of its contact sequence again, in either direction: the curve repeats
+    """Whether two changes of the contact sequence are one, passed in either direction: the curve then repeats
     itself."""
     if one.after is None or other.after is None or one.stops != other.stops:
         return False
@@ -220,12 +220,12 @@ def _is_at_change(point: CurvePoint) -> bool:
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
-    """Whether a bifurcation lies where two branches meet, so that both branches have it."""
+    """Whether a bifurcation has the parameter of a point where two branches meet, so that both branches list it."""
     return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
 
 
 def _after(change: SequenceChange, next_: CurvePoint) -> str:
-    """What a curve does at a graze: whether the parameter goes on in its direction."""
+    """Whether the parameter keeps its direction at a graze: ``persists``, else ``folds``."""
     came, goes = float(change.before.tangent[-1]), next_.value - change.value
     return "persists" if came * goes > 0 else "folds"
 
@@ -279,6 +279,6 @@ def _closes(step: Stretch, start: CurvePoint) -> bool:
 
 
 def _share(of: ParameterRange, way: Way, limits: Limits) -> float:
-    """The share of the range, or of the points allowed, that is done."""
+    """Fraction of the range, or of the points allowed, that is done."""
     covered = abs(way.points[-1].value - way.points[0].value) / (of.high - of.low)
     return min(max(covered, len(way.points) / limits.max_points), 1.0)
