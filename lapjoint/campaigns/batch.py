@@ -15,7 +15,8 @@ from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.solver import Progress, Solver, make_solver
 
 BATCH_SECONDS = 1.0
-"""Time after which a batch is handed back, finished or not, s: a crash can lose as much work as this."""
+"""Time after which a batch is handed back, finished or not, s: a crash loses at most about this much work of a
+process."""
 
 
 @dataclass(frozen=True)
@@ -27,14 +28,14 @@ class Batch:
     chained: bool = False
     """Whether each cell starts from the section point at which the cell before it has settled."""
     section: PlainSection | None = None
-    """Section point from which the first cell of a chain starts; None for the initial state of the problem."""
+    """Section point from which the first cell of a chain starts; None if it starts from the problem's initial state."""
 
     def first(self) -> Batch:
         """A batch of the first cell alone."""
         return replace(self, cells=self.cells[:1])
 
     def after(self, done: int, section: PlainSection | None) -> Batch | None:
-        """The rest when the first `done` cells are done, and a chain has come to `section`; None if nothing is left."""
+        """The rest of the batch after its first `done` cells, with a chain at `section`; None if no cell is left."""
         left = self.cells[done:]
         return replace(self, cells=left, section=section if self.chained else None) if left else None
 
@@ -53,7 +54,7 @@ class Solved:
 
 @in_one_thread
 def solve_batch(job: CellSolver, batch: Batch, progress: Progress | None = None) -> Solved:
-    """Solve the cells of a batch in sequence, at least one, until all are done or `BATCH_SECONDS` are over.
+    """Solve the cells of a batch in sequence, at least one, until all are done or `BATCH_SECONDS` have passed.
 
     `progress` is called as `CellSolver.answer` says.  InputError is raised if a cell has no valid problem.
     """

@@ -17,7 +17,7 @@ from lapjoint.campaigns.workers import Deliver, given_up
 from lapjoint.errors import InputError, SolverError
 
 REACHED = 15.0
-"""Time within which a scheduler must answer, s: enough for a slow network, and short enough for a wrong address."""
+"""Time within which a scheduler must answer, s: enough for a slow network, and short if the address is wrong."""
 PATIENCE = 60.0
 """Time within which a scheduler must have its first worker, s: the workers of a batch system start late."""
 ALONE = 40.0
@@ -48,7 +48,7 @@ def work_on_cluster(job: CellSolver, batches: Iterable[Batch], scheduler: str, d
 
 
 def _lost(client: Any, error: BaseException) -> bool:
-    """Whether an error came from a connection that is lost, and not from what was done with the answers."""
+    """Whether an error came from a lost connection, and not from the code that takes the answers."""
     from distributed.comm import CommClosedError
 
     return client.status != "running" or isinstance(error, CancelledError | CommClosedError)
@@ -149,7 +149,7 @@ def _work(client: Any, job: CellSolver, batches: Iterable[Batch], deliver: Deliv
 
 
 def _next(client: Any, finished: queue.Queue[T]) -> T:
-    """What is finished next, as long as there is a worker to wait for."""
+    """The next finished item of a queue; the wait ends with an error if no worker is left."""
     seen = time.monotonic()
     while True:
         try:

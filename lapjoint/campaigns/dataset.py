@@ -1,4 +1,4 @@
-"""What the datasets of all campaigns have in common: the format version, attributes, declared variables, and reading.
+"""The common parts of the datasets of all campaigns: the format version, attributes, declared variables, and reading.
 
 The version is raised whenever a reader of the version before would misread a file or its journal, or miss something in
 it.
@@ -38,12 +38,12 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 _DAMAGED = "is damaged: its content does not fit its checksum; what made it, with --force, computes it again"
 
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-"""Dimensions, values and attributes, as xarray takes them."""
+"""Dimensions, values and attributes of a variable, as xarray takes them."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A variable as it is declared: all but its dimensions and values."""
+    """The declaration of a variable: everything but its dimensions and values."""
 
     name: str
     kind: str
@@ -51,7 +51,7 @@ class Column:
     units: str
     """Unit, as CF writes it; empty for text and for numbers that stand for names."""
     text: str
-    """What the variable is."""
+    """Description of the variable, its ``long_name``."""
     more: Mapping[str, Any] = field(default_factory=dict)
     """Further attributes."""
 
@@ -61,7 +61,7 @@ class Column:
         return ({"units": self.units} if self.units else {}) | {"long_name": self.text, **self.more}
 
     def of(self, dimensions: tuple[str, ...], values: Any, shape: tuple[int, ...] | None = None) -> Variable:
-        """The variable with its values, which are given `shape`, if one is given."""
+        """The variable with these dimensions and values; the values are reshaped to `shape`, if it is given."""
         array = np.array(values, dtype=self.kind)
         return dimensions, array if shape is None else array.reshape(shape), self.attributes
 

@@ -27,7 +27,8 @@ from lapjoint.problem.random_motion import Random
 from lapjoint.problem.records import Record
 
 FREQUENCY = "base_motion.angular_frequency"
-"""Path of the excitation frequency, that of the base motion; frequencies of periodic loads keep their ratio to it."""
+"""Path of the excitation frequency, which is the frequency of the base motion; frequencies of periodic loads keep their
+ratio to it."""
 MOST_POINTS = 10_000_000
 """Largest number of points of a grid, for its dataset to fit into memory."""
 CHECKED_POINTS = 5000
@@ -253,7 +254,8 @@ class Grid:
 
     @cached_property
     def _base_fields(self) -> tuple[str, ...]:
-        """The field of a sine of the base that each axis sets; none, if one sets more or another."""
+        """For each axis, the field of a sinusoidal base motion that it sets; empty if an axis sets several numbers, or
+        another one."""
         if not isinstance(self.problem.base_motion, BaseMotion):
             return ()
         paths = [path for axis in self.axes for path, _ in self._numbers(axis, axis.values[0])]
@@ -277,7 +279,7 @@ class Grid:
         return {key: getattr(self.problem, key) for key in self._tables.keys() - self._touched.keys()}
 
     def _numbers(self, axis: Axis, value: float) -> list[tuple[str, float]]:
-        """The paths that a value of an axis sets, and the number at each."""
+        """The paths that a value of an axis sets, and the number at each path."""
         if axis.path != FREQUENCY:
             return [(axis.path, value)]
         if not self._ratios:
@@ -289,7 +291,8 @@ class Grid:
 
     @cached_property
     def _ratios(self) -> dict[str, float]:
-        """The angular frequencies of all periodic parts over the one that an axis sets, by their paths."""
+        """For each periodic part, by its path, the ratio of its angular frequency to the frequency that an axis sets; 1
+        if neither is a multiple of the other."""
         base, loads = self.problem.base_motion, self.problem.point_loads
         found = {} if base is None or isinstance(base, Record | Random) else {FREQUENCY: base.angular_frequency}
         others = StepLoad | Record | Random
@@ -313,7 +316,7 @@ class Grid:
 
 
 def _assigned(tables: dict[str, Any], numbers: list[tuple[str, float, str]]) -> dict[str, Any]:
-    """A copy of tables with some numbers: path, number, and what asks for it."""
+    """A copy of tables with some numbers changed; each is given as path, number, and the source for messages."""
     copied: dict[str, Any] = _copied(tables)
     for path, number, source in numbers:
         assign(copied, path, number, source)
@@ -321,14 +324,14 @@ def _assigned(tables: dict[str, Any], numbers: list[tuple[str, float, str]]) -> 
 
 
 def _copied(value: Any) -> Any:
-    """Tables and lists of their own; what else they hold is never changed."""
+    """A deep copy of tables and lists; their other values are shared, because they are never changed."""
     if isinstance(value, dict):
         return {key: _copied(item) for key, item in value.items()}
     return [_copied(item) for item in value] if isinstance(value, list) else value
 
 
 def _ratio(omega: float, own: float | None) -> float:
-    """The whole number, or one over it, by which an angular frequency multiplies another; 1 where there is none."""
+    """The whole number, or its reciprocal, by which an angular frequency multiplies another; 1 where there is none."""
     if own is None:
         return 1.0
     above, below = multiple_of(own, omega), multiple_of(omega, own)

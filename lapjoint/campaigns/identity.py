@@ -1,4 +1,5 @@
-"""What tells work from any other work: its problem, its options, and the versions of the packages that do it."""
+"""The identity of a piece of work: its problem, its options, and the versions of the packages that compute its
+answers."""
 
 from __future__ import annotations
 

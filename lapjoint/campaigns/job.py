@@ -1,8 +1,8 @@
-"""What all work that is done cell by cell has in common: a specification, and a job.
+"""The types shared by all work that is done cell by cell: a specification, and a job.
 
-A *specification* says what is asked; its fingerprint tells its journal and its file from all others.  A *job* cuts a
-specification into cells, whose answers depend on nothing but the specification and the number of the cell, and makes a
-dataset of them.  Workers, cluster and journal know no more of the work than these types.
+A *specification* holds the question; its fingerprint distinguishes its journal and its file from all others.  A *job*
+cuts a specification into cells, and makes a dataset of their answers.  An answer depends on nothing but the
+specification and the number of the cell.  Workers, cluster and journal use only these types.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Answer(Protocol):
 
 
 class Spec(Protocol):
-    """What is asked: all that a journal and a file must know of the work."""
+    """The question of a piece of work: everything that a journal and a file must know of the work."""
 
     @property
     def noun(self) -> str:
@@ -63,7 +63,7 @@ class Spec(Protocol):
 
 
 class CellSolver(Protocol):
-    """Solves cells: all that workers must know of the work."""
+    """Solves cells: everything that workers must know of the work."""
 
     @property
     def spec(self) -> Spec:
@@ -74,8 +74,8 @@ class CellSolver(Protocol):
     ) -> tuple[Any, PlainSection | None]:
         """The answer of a cell, and the section point from which the next cell of its chain starts.
 
-        `section` is where this cell of a chain starts.  `progress` is called now and then with how much of the cell is
-        done and the whole, where it takes long.  InputError is raised if the cell has no valid problem.
+        `section` is where this cell of a chain starts.  `progress` is called, in cells that take long, with the amount
+        done and the whole.  InputError is raised if the cell has no valid problem.
         """
 
     def point(self, fields: Mapping[str, Any]) -> Any:
@@ -84,7 +84,7 @@ class CellSolver(Protocol):
 
 @runtime_checkable
 class Rehearses(Protocol):
-    """Solves cells that are too long for the first one to be solved before the workers begin."""
+    """Solves cells so long that the first cell cannot be solved before the workers begin, to compile functions."""
 
     def rehearse(self, solver: Solver) -> None:
         """Have the functions that workers need compiled and stored, by a short piece of work."""

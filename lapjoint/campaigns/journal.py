@@ -1,10 +1,10 @@
-"""An append-only journal of work, which resumes from the journal after Ctrl-C, a crash or a full disk.
+"""An append-only journal of work, from which the work resumes after Ctrl-C, a crash or a full disk.
 
-A journal has lines of JSON.  The first line says which work the journal is of.  Each other line holds the answers of a
-batch and, for a chain, the section point from which the chain goes on.  Each line ends in a checksum of the line and of
-the work: a line proves by itself that it is whole, and whose it is.  A line is on the disk before the next batch is
-waited for.  Damaged lines are dropped with a warning, wherever they are, and their answers are computed again.  A lock
-on the file keeps two processes from writing one journal; the system releases the lock however a process ends.
+A journal has lines of JSON.  The first line identifies the work.  Each other line holds the answers of a batch and, for
+a chain, the section point at which the chain continues.  Each line ends in a checksum of the line and of the work's
+identity: a line alone proves that it is whole, and to which work it belongs.  A line is on the disk before the next
+batch is waited for.  Damaged lines are dropped with a warning, and their answers are computed again.  A lock on the
+file keeps two processes from writing one journal; the system releases the lock however a process ends.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def journal_path(out: str | Path) -> Path:
 
 
 class Journal(ABC):
-    """The locked journal beside the file `out`; `force` throws the journal of other work away.
+    """The locked journal beside the file `out`; with `force`, the journal of other work is thrown away.
 
     InputError is raised if another process has the journal, or it belongs to other work; OutputError, if it cannot be
     written.  DamageWarning tells of damaged lines, which are dropped.
@@ -58,13 +58,13 @@ class Journal(ABC):
             raise
 
     def _keep(self, line: dict[str, Any]) -> None:
-        """Write a line, and take what it holds."""
+        """Write a line, and take its content into memory."""
         self._write(_sealed(line, self._owner))
         self._take(line)
 
     @abstractmethod
     def _take(self, line: dict[str, Any]) -> None:
-        """Take what a line holds."""
+        """Take the content of a line into memory."""
 
     @abstractmethod
     def _holds_nothing(self) -> bool: ...
@@ -90,7 +90,8 @@ class Journal(ABC):
 
     @contextmanager
     def going(self) -> Iterator[None]:
-        """While the work goes on: an error that stops it says what is kept; in the end the journal is closed.
+        """A context for the work: an error that stops the work tells what is kept, and the journal is closed in the
+        end.
 
         KeyboardInterrupt becomes Interrupted.
         """
@@ -104,14 +105,14 @@ class Journal(ABC):
             self.close()
 
     def kept(self) -> str:
-        """A message for work that stops here, from the file, because an interrupt can come at any moment."""
+        """A message for work that stops here; it is made from the file, because an interrupt can come at any moment."""
         self._load(force=False)
         if self._holds_nothing():
             return self._nothing_done()
         return f"{self._done()} kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
-        """Take what the file holds, and leave only its whole lines."""
+        """Take the content of the file into memory, and leave only whole lines in the file."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
@@ -133,9 +134,9 @@ class Journal(ABC):
         return f"{FORMAT_VERSION} {self.spec.fingerprint}"
 
     def _load(self, force: bool) -> tuple[list[bytes], int]:
-        """Take what the file holds; returns its whole lines, and the number of damaged lines.
+        """Take the content of the file into memory; returns its whole lines, and the number of damaged lines.
 
-        A file that has no whole line of this work is refused, unless it is empty or may be thrown away.
+        A file without a whole line of this work is refused, unless it is empty or may be thrown away.
         """
         self._file.seek(0)
         lines = self._file.readall().splitlines(keepends=True)
@@ -165,7 +166,7 @@ class Journal(ABC):
         return f"holds another {self.spec.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:
-        """Whether a later line is whole; what it holds is taken."""
+        """Whether a later line is whole; if so, its content is taken into memory."""
         line = _opened(raw, self._owner)
         if line is not None:
             self._take(line)
@@ -213,9 +214,10 @@ class CellJournal(Journal):
         super().__init__(job.spec, out, force=force)
 
     def append(self, points: Mapping[int, Answer], section: PlainSection | None = None) -> None:
-        """Keep answers, and where a chain goes on after the last of them: they are on the disk when this returns.
+        """Write answers, and the section point at which a chain continues after them: they are on the disk when this
+        returns.
 
-        OutputError is raised if they cannot be written; what the journal held before is still good.
+        OutputError is raised if they cannot be written; the lines written before are still good.
         """
         line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
         if section is not None:
@@ -255,7 +257,7 @@ def _checksum(body: bytes, owner: str) -> bytes:
 
 
 def _opened(raw: bytes, owner: str = "") -> dict[str, Any] | None:
-    """What `_sealed` made a line of; None if it is damaged, or has another owner."""
+    """The content of a line made by `_sealed`; None if it is damaged, or has another owner."""
     end = _CHECKSUM.search(raw)
     if end is None or end.end() < len(raw):
         return None
@@ -264,7 +266,8 @@ def _opened(raw: bytes, owner: str = "") -> dict[str, Any] | None:
 
 
 def _parsed(raw: bytes) -> dict[str, Any] | None:
-    """A first line whatever its checksum, for the message that refuses it; None if it is no JSON object."""
+    """The content of a first line, whatever its checksum, for the message that refuses it; None if it is no JSON
+    object."""
     try:
         line = json.loads(raw)
     except (ValueError, RecursionError):

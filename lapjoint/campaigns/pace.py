@@ -1,4 +1,4 @@
-"""What is said early of how long a sweep will take, where its first points are of the kind that costs most."""
+"""An early message on how long a sweep will take, if its first points are of the costliest kind."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from lapjoint.files.plain_text import duration_text
 
 LOGGER = logging.getLogger(__name__)
 FEW = 4
-"""Number of points, after the first, from which the pace is read; the time of the first includes compiling."""
+"""Number of points, after the first, whose times give the pace; the time of the first point includes compiling."""
 MANY = 64
-"""Number of points after which nothing is said: progress tells the pace then."""
+"""Number of points after which the message is not given: progress shows the pace by then."""
 WORTH_SAYING = 60.0
-"""Time that is left below which nothing is said, s: a shorter wait needs no warning."""
+"""Remaining time below which the message is not given, s: a shorter wait needs no warning."""
 
 
 @dataclass
 class Pace:
-    """Looks at points as they are delivered, and says once what the others will take if most do not repeat."""
+    """Looks at points as they are delivered, and says once how long the others will take if most of them do not
+    repeat."""
 
     noun: str
-    """What the work is called."""
+    """Name of the work in the message."""
     clock: Callable[[], float] = time.monotonic
     _since: float | None = field(default=None, init=False)
     _after: int = field(default=0, init=False)
@@ -33,7 +34,8 @@ class Pace:
     _told: bool = field(default=False, init=False)
 
     def take(self, points: Iterable[Any], left: int) -> None:
-        """Take answers that have just been found, of which only points count, and the number of cells that are left."""
+        """Take answers that have just been found, and the number of cells that are left; answers that are not points
+        are ignored."""
         multiples = [point.period_multiple for point in points if hasattr(point, "period_multiple")]
         now = self.clock()
         self._seen += len(multiples)

@@ -18,7 +18,7 @@ FAILED = "FAILED"
 OUTCOME_CODES = {FAILED: -1} | {outcome.name: code for code, outcome in enumerate(Outcome)}
 """Numbers that stand for the outcomes in a file, by name; -1 where the solver gave up."""
 CUT_AT_START, CUT_AT_END = 1, 2
-"""Bits that say at which end of the motion a contact is cut."""
+"""Bits that say at which end of the motion a contact is cut: at its start, and at its end."""
 
 
 class PlainSection(TypedDict):
@@ -64,7 +64,7 @@ class Point:
     multiplier_real: float = math.nan
     """Real part of the Floquet multiplier of largest modulus."""
     multiplier_imag: float = math.nan
-    """Imaginary part of the same multiplier; of a conjugate pair, the positive one."""
+    """Imaginary part of the Floquet multiplier of largest modulus; of a conjugate pair, the positive one."""
     exponent: float = math.nan
     """Largest Lyapunov exponent, 1/s."""
     standard_error: float = math.nan
@@ -80,8 +80,9 @@ class Point:
     impulse_errors: tuple[float, ...] = ()
     """Estimate of each impulse's numerical error, N s; infinite where none can be stated, empty if none was made."""
     summary: dict[str, list[float]] = field(default_factory=dict)
-    """Numbers of the motion that were asked for, by name: of a quantity the largest along the beam, its error and where
-    it is, m; of the stops one each, then their errors.  Errors are NaN where none were estimated."""
+    """Further numbers of the motion that were asked for, by name.  Of a quantity: the largest value along the beam, its
+    error, and its position, m.  Of the stops: one value for each stop, then their errors.  Errors are NaN where none
+    were estimated."""
     message: str = ""
     """Reason for which the solver gave up; empty where it did not."""
 

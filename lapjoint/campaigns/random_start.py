@@ -13,18 +13,18 @@ from lapjoint.problem.initial import SampledShape
 from lapjoint.solver import Solver
 
 POINTS = 65
-"""Number of samples of an initial state along the beam: sixteen and more for each half-wave of `MODES`."""
+"""Number of samples of an initial state along the beam: at least sixteen for each half-wave of the `MODES` modes."""
 MODES = 3
-"""Number of the lowest free modes that are combined."""
+"""Number of free modes that are combined, from the lowest."""
 SIZE = 3.0
-"""Size of the displacement, in gaps: large enough for most of the states to reach the stops soon."""
+"""Size of the displacement, divided by the gap: large enough for most of the states to reach the stops soon."""
 
 
 def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> SampledShape:
-    """A random combination of the lowest free modes, which fulfils the fixed supports.
+    """A random combination of the lowest free modes, which satisfies the fixed supports.
 
-    Displacements are of the size of some gaps, and velocities of this size times the excitation frequency.  The solver
-    gives the modes.  Equal seeds, which are numbers that are not negative, give equal states.
+    Displacements are `SIZE` gaps in size, and velocities are this size times the excitation frequency.  The solver
+    gives the modes.  Equal seeds, which are not negative, give equal states.
     """
     rng = np.random.default_rng(seed)
     x = np.linspace(0.0, problem.beam.length, POINTS)
@@ -39,13 +39,13 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
 
 
 def _gap(problem: Problem) -> float:
-    """The median of the gaps, m; where there is no gap, a thousandth of the length."""
+    """The median of the gaps, m; a thousandth of the length where there is no gap."""
     gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
     return float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length
 
 
 def _meeting_supports(problem: Problem, x: FloatArray, values: FloatArray) -> FloatArray:
-    """The samples nearest to `values`, shape ``(2, n)``, whose splines fulfil the fixed supports exactly."""
+    """The samples nearest to `values`, shape ``(2, n)``, whose splines satisfy the fixed supports exactly."""
     rows = np.array(list(_conditions(problem, x)))
     if not rows.size:
         return values

@@ -21,7 +21,8 @@ from lapjoint.machine.processes import LOOK, StandingPool, first_finished, inter
 from lapjoint.solver import Progress
 
 Deliver = Callable[[Solved], Iterable[Batch]]
-"""Takes what was solved of a batch, and gives what is to be done because of it, besides what is left of the batch."""
+"""Takes the solved part of a batch, and returns new batches that it makes possible; the rest of the batch is not among
+them."""
 Mapper = Callable[[Callable[[Batch], Solved], Iterable[Batch]], Iterable[Solved]]
 """Maps a function over batches, as ``multiprocessing.Pool.imap_unordered`` does."""
 Workers = int | Callable[..., Any]
@@ -41,7 +42,7 @@ def check_workers(workers: Workers) -> Workers:
 
 
 def work_here(job: CellSolver, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
-    """Solve all batches in this process, one after the other; `progress` is called as `solve_batch` says."""
+    """Solve all batches in this process, one after the other; `progress` is called as in `solve_batch`."""
     waiting = deque(batches)
     while waiting:
         solved = solve_batch(job, waiting.popleft(), progress)
@@ -62,7 +63,7 @@ def work_mapped(job: CellSolver, batches: Iterable[Batch], mapper: Mapper, deliv
 
 
 def given_up(job: CellSolver, batch: Batch, reason: str) -> Solved:
-    """The first cell of a batch without an answer, for some reason, and the rest of the batch."""
+    """The first cell of a batch without an answer, with the reason as its message, and the rest of the batch."""
     return Solved({batch.cells[0]: job.point({"message": reason})}, batch.section, batch.after(1, batch.section))
 
 

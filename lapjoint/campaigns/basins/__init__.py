@@ -1,1 +1,1 @@
-"""Where many starts end: what is asked, how each chunk of starts is solved, and the table of motions."""
+"""The motions in which many starts end: the plan, how each chunk of starts is solved, and the table of motions."""

@@ -1,8 +1,9 @@
-"""The table of motions of one problem, from what its chunks found, and which of them belong to one branch.
+"""The table of motions of one problem, made from the motions that its chunks found, and their branches.
 
-Chunks find motions independently, so the same motion may have been found in several.  Two are one if their orbits are.
-Where modes are truncated, the map jumps as two switches change their order, and parts one motion of the joint into
-several orbits that are hardly apart (`lapjoint.orbits.least_period`): these are one motion in the table.
+Chunks find motions independently, so several chunks may find one motion.  Two motions are one if their orbits are.
+Where modes are truncated, the map jumps as two switches change their order, and one motion of the joint becomes several
+orbits that are hardly apart (`lapjoint.orbits.least_period`).  The table has these orbits as one motion.
+
 Motions of neighbouring problems belong to one branch if Newton's method leads from each to the other, and both mirror
 themselves or neither does: where a symmetry breaks, other branches begin.
 """
@@ -32,10 +33,10 @@ NORMAL_95 = 1.959963984540054
 
 @dataclass(frozen=True)
 class MotionTable:
-    """The motions of one problem, and which starts are bound to each; ``M`` motions, ``N`` starts, ``P`` stops."""
+    """The ``M`` motions of one problem with ``P`` stops, and the motion to which each of ``N`` starts is bound."""
 
     motions: tuple[CertifiedMotion, ...]
-    """By falling number of starts."""
+    """The motions, in descending order of their number of starts."""
     motion: IndexArray
     """Index of the motion of each start, or `UNBOUND`, shape ``(N,)``."""
     outcome: IndexArray
@@ -45,11 +46,11 @@ class MotionTable:
     pushed: np.ndarray
     """Whether each march was pushed off an unstable motion, shape ``(N,)``."""
     messages: dict[int, str]
-    """Why marches could not go on, by the start."""
+    """Reasons for which marches could not go on, by the number of the start."""
     twin: IndexArray
     """Index of the mirror image of each motion, or `UNBOUND`, shape ``(M,)``."""
     orbits: IndexArray
-    """Number of orbits that truncation has parted each motion into, shape ``(M,)``; 1 where it has not."""
+    """Number of orbits into which truncation splits each motion, shape ``(M,)``; 1 where it does not."""
     errors: FloatArray
     """Estimated numerical error of each motion's impulses, N s, shape ``(M, P)``."""
 
@@ -62,7 +63,7 @@ class MotionTable:
 def table_of(plan: BasinPlan, value: int, scouts: ChunkEnds, chunks: Sequence[ChunkEnds]) -> MotionTable:
     """The motions of one problem, and where each start ends.
 
-    The motions of `scouts` are the library; `chunks` are all others, in the order of their starts.
+    The motions of `scouts` are the library; `chunks` are all other chunks, in the order of their starts.
     """
     half_periods = HalfPeriods(prepared(plan, value).period_map)
     library = [motion_from(plain) for plain in scouts.motions]
@@ -93,7 +94,7 @@ def table_of(plan: BasinPlan, value: int, scouts: ChunkEnds, chunks: Sequence[Ch
 
 
 def _known(half_periods: HalfPeriods, motions: list[CertifiedMotion], motion: CertifiedMotion) -> int:
-    """The index of a motion in a list, to which it is added if it is not there."""
+    """The index of a motion in the list; the motion is added if it is not there."""
     for i, known in enumerate(motions):
         if same_motion(half_periods, motion, known):
             return i
@@ -104,9 +105,10 @@ def _known(half_periods: HalfPeriods, motions: list[CertifiedMotion], motion: Ce
 def _ordered(
     half_periods: HalfPeriods, motions: Sequence[CertifiedMotion], motion: IndexArray
 ) -> tuple[list[CertifiedMotion], IndexArray, IndexArray]:
-    """Motions by falling number of starts, how many orbits each has, and the index of each start's motion there.
+    """Motions in descending order of their number of starts, the number of orbits of each, and the index of each
+    start's motion.
 
-    Of a motion that truncation has parted, the orbit to which most starts are bound stands for all.
+    Of several orbits that are one motion, the orbit with most starts represents the motion.
     """
     order = np.argsort(-np.bincount(motion[motion >= 0], minlength=len(motions)), kind="stable")
     kept: list[CertifiedMotion] = []
@@ -123,9 +125,9 @@ def _ordered(
 
 
 def _parted(half_periods: HalfPeriods, one: CertifiedMotion, other: CertifiedMotion) -> bool:
-    """Whether two orbits are parts of one motion: hardly apart, and the same stops switch, but not in the same order.
+    """Whether two orbits are parts of one motion: hardly apart, with the same stops that switch, but in another order.
 
-    They are not if the order is the same: then the map does not jump between them, and both exist.
+    With the same order they are two motions: the map does not jump between them, and both exist.
     """
     if one.period_multiple != other.period_multiple:
         return False
@@ -196,7 +198,7 @@ def branches_of(plan: BasinPlan, tables: Sequence[MotionTable]) -> list[IndexArr
 def _followed(
     here: HalfPeriods, ours: Sequence[CertifiedMotion], there: HalfPeriods, theirs: Sequence[CertifiedMotion]
 ) -> list[tuple[int, int]]:
-    """Pairs of motions of neighbouring problems that Newton's method leads from one to the other and back."""
+    """Pairs of motions of neighbouring problems for which Newton's method leads from each to the other."""
     pairs = []
     for i, motion in enumerate(ours):
         j = _led_to(motion, there, theirs)
@@ -206,7 +208,8 @@ def _followed(
 
 
 def _led_to(motion: CertifiedMotion, there: HalfPeriods, theirs: Sequence[CertifiedMotion]) -> int | None:
-    """The motion of another problem that Newton's method leads to from a motion; None if it leads to none of them."""
+    """The index of the motion of another problem to which Newton's method leads from a motion; None if it leads to
+    none."""
     try:
         point = there.map.adopted(motion.points[0])
     except InputError:

@@ -27,12 +27,13 @@ if TYPE_CHECKING:
 class BasinJob(Job[BasinPlan, "ChunkEnds"]):
     """The work on basins; its cells are chunks of starts, first the scouts.
 
-    What imports scipy and numba is imported late, as `lapjoint.campaigns` is imported for much less.
+    Modules that import scipy and numba are imported late, because `lapjoint.campaigns` is also imported for lighter
+    work.
     """
 
     longest_batch: ClassVar[int] = 4
     libraries: tuple[str, ...] = ()
-    """The library of each problem, as `library_text` gives it, once the scouts are done."""
+    """The library of motions of each problem, as `library_text` gives it; empty until the scouts are done."""
 
     def check(self) -> None:
         """Check the plan, and whether its first problem can be started as the plan says."""

@@ -1,4 +1,4 @@
-"""How a chunk of starts is solved, and what is kept of it."""
+"""How a chunk of starts is solved, and which values of its result are stored."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
 UNBOUND = -1
-"""Stands for the motion of a start that is bound to none."""
+"""Index in place of a motion for a start that is bound to no motion."""
 NO_LIBRARY = "[]"
 """A library without motions."""
 
@@ -36,7 +36,7 @@ class PlainMotion(TypedDict):
     """Name of the outcome."""
     residual: float
     multiplier: list[float]
-    """Real and imaginary part."""
+    """Real and imaginary part of the multiplier."""
     impulses: list[float]
 
 
@@ -47,7 +47,7 @@ class ChunkEnds:
     motions: list[PlainMotion] = field(default_factory=list)
     """The certified motions that were found in the chunk and are not in the library."""
     motion: list[int] = field(default_factory=list)
-    """Index of the motion to which each start is bound, those of the library first; or `UNBOUND`."""
+    """Index of the motion to which each start is bound, or `UNBOUND`; motions of the library are numbered first."""
     outcome: list[int] = field(default_factory=list)
     """Number of the outcome of each start, see `lapjoint.campaigns.point.OUTCOME_CODES`."""
     periods: list[int] = field(default_factory=list)
@@ -72,9 +72,9 @@ class Prepared:
     """What all chunks of one problem need."""
 
     period_map: PeriodMap
-    """It is one of `DisplacedStarts`, too."""
+    """The period map, which must also implement `DisplacedStarts`."""
     origin: SectionPoint
-    """The section point that is moved."""
+    """The section point from which all starts are displaced."""
     directions: FloatArray
     """Deviations by one unit of each coordinate, ``(2, n)``, or the matrix of `energy_roots`, ``(n, n)``."""
     binder: Binder
@@ -82,7 +82,7 @@ class Prepared:
 
 
 def solve_chunk(plan: BasinPlan, cell: int, library: str) -> ChunkEnds:
-    """Where the starts of a chunk end, if the motions of a library, as `library_text` gives it, are known before."""
+    """Where the starts of a chunk end, given a library of known motions as text, see `library_text`."""
     try:
         value, starts = plan.chunk(cell)
         this = prepared(plan, value, library)
@@ -149,7 +149,7 @@ def _period_map(solver: str, options: str, problem: Problem) -> Any:
 
 
 def library_text(scouts: ChunkEnds) -> str:
-    """The motions that scouts found as one text, which is a key for what is made of them."""
+    """The motions that scouts found as one text, which also serves as the key of a cache."""
     return json.dumps(scouts.motions)
 
 

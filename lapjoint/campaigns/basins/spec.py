@@ -1,9 +1,10 @@
-"""What is asked of basins: which starts, of which problems, and how hard to look at each.
+"""The plan of basins: which starts, of which problems, and the largest effort for each.
 
-Starts are the points of a grid in a plane, or random ones (`lapjoint.orbits.displaced`).  They are solved in *chunks*,
-so that many march at once.  For each problem there is a chunk of *scouts* first, some of the starts, evenly spread: the
-motions that they end in are its *library*, which every other chunk knows from the beginning.  What a chunk finds
-depends on the plan and on this library alone, neither on the sequence of the work nor on the number of workers.
+Starts are the points of a grid in a plane, or random points (`lapjoint.orbits.displaced`).  They are solved in
+*chunks*, so that many march at once.  Each problem begins with a chunk of *scouts*: some of the starts, evenly spread.
+The motions in which scouts end are the *library* of the problem, which every other chunk knows from the beginning.  The
+result of a chunk depends only on the plan and on this library, and neither on the sequence of the work nor on the
+number of workers.
 """
 
 from __future__ import annotations
@@ -34,11 +35,11 @@ EFFORT = 4000
 MOST_PERIODS = 1_000_000
 """Largest number of excitation periods that may be asked for."""
 _WIDE = 3.0
-"""Half the default width of a plane, as a multiple of base amplitude plus gap: most motions are not much larger."""
+"""Half the default width of a plane, divided by base amplitude plus gap: most motions are not much larger."""
 
 
 class Chunk(NamedTuple):
-    """What a cell is: some starts of one of the problems."""
+    """The content of a cell: some starts of one of the problems."""
 
     value: int
     """Number of the problem along `over`."""
@@ -125,12 +126,12 @@ class BasinPlan:
 
     @property
     def chunks(self) -> int:
-        """Number of chunks of each problem, without that of the scouts."""
+        """Number of chunks of each problem, without the chunk of scouts."""
         return -(-self.count // CHUNK)
 
     @property
     def size(self) -> int:
-        """Number of cells: first the scouts of each problem, then the chunks of the first, of the second ..."""
+        """Number of cells: first the scouts of each problem, then the other chunks, problem after problem."""
         return self.values * (1 + self.chunks)
 
     @cached_property
@@ -159,7 +160,8 @@ class BasinPlan:
         return self.problem if self.grid is None else self.grid.problem_at(value)
 
     def _default_ranges(self, plane: Plane) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Ranges of the plane's coordinates: some times the size of base motion and gap, and their velocity."""
+        """Ranges of the plane's coordinates: from minus to plus `_WIDE` times base amplitude plus gap, m, and this
+        times the frequency, m/s."""
         problem = self.problem
         gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
         base = problem.base_motion

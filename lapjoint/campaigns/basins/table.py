@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 UNBOUND_CLASSES = (*(it.name for it in (Outcome.QUASIPERIODIC, Outcome.APERIODIC, Outcome.UNDECIDED)), FAILED)
 """Names of the outcomes of starts that are bound to no motion."""
 _FILL: Mapping[str, Any] = {"f8": np.nan, "O": "", "i1": -1, "i4": -1}
-"""Value, by the type, that fills up where a problem has fewer motions than another."""
+"""Value, by type, that pads the rows of a problem with fewer motions than another."""
 _OF_STARTS = (
     Column(
         "motion",
@@ -174,7 +174,7 @@ def _starts(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variabl
 
 
 def _of_motions(plan: BasinPlan, column: Column, rows: Sequence[Any]) -> Variable:
-    """One value, or one for each stop, for each motion of each problem, filled up to the largest number of motions."""
+    """One value, or one for each stop, for each motion of each problem, padded to the largest number of motions."""
     most = max((len(row) for row in rows), default=0)
     arrays = [np.asarray(row) for row in rows]
     tail = next((array.shape[1:] for array in arrays if array.ndim > 1), ())
@@ -206,7 +206,7 @@ def _fractions(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Vari
 
 
 def _shares(prefix: str, what: str, counts: Sequence[Any], total: int) -> list[tuple[Column, list[Any]]]:
-    """The variables of counts of starts, with their values for each problem."""
+    """The variables for counts of starts, their fractions and intervals, with their values for each problem."""
     ends = [np.array([wilson(int(count), total) for count in row]).reshape(-1, 2) for row in counts]
     return [
         (Column(f"{prefix}count", "i4", "1", f"number of starts that {what}"), list(counts)),

@@ -28,7 +28,7 @@ class Found:
 
 @dataclass
 class Parts:
-    """Parts of a search that do not depend on each other, as cells: `lapjoint.campaigns.job.CellSolver`.
+    """Independent parts of a search, as cells of a `lapjoint.campaigns.job.CellSolver`.
 
     While workers solve some parts, further parts are added.
     """
@@ -36,8 +36,8 @@ class Parts:
     spec: BranchSpec
     """The question of the search, at all values of the second parameter."""
     parts: Mapping[int, Part]
-    """The parts that are not done, by the numbers of their cells.  The mapping is replaced and never changed: a worker
-    may be about to receive it."""
+    """The parts that are not done, by the numbers of their cells.  Each change makes a new mapping, because the old one
+    may be on its way to a worker."""
     size: int
     """Number of cells so far."""
 
@@ -65,7 +65,7 @@ class Parts:
         return Found({"starts": [], "points": [], **fields})
 
     def rehearse(self, solver: Solver) -> None:
-        """Have what workers need compiled. See `lapjoint.campaigns.job.Rehearses.rehearse`."""
+        """Compile the functions that workers need.  See `lapjoint.campaigns.job.Rehearses.rehearse`."""
         first = next(iter(self.parts.values()))
         spec = self.spec.at(first.value)
         if first.start is None:

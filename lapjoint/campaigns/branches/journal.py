@@ -10,9 +10,9 @@ from lapjoint.campaigns.journal import Journal
 
 
 class BranchJournal(Journal):
-    """The locked journal beside the file of branches; `Journal` says how it is kept.
+    """The locked journal beside the file of branches; `Journal` describes the format.
 
-    A part of the work has a name, ``start 3`` or ``branch 0``, and a result as plain values.
+    A part of the work has a name, ``start 3`` or ``branch 0``, and a result of plain values.
     """
 
     def __init__(self, spec: BranchSpec, out: str | Path, *, force: bool = False) -> None:
@@ -20,19 +20,19 @@ class BranchJournal(Journal):
         super().__init__(spec, out, force=force)
 
     def keep(self, name: str, result: dict[str, Any]) -> None:
-        """Keep a part: it is on the disk when this returns.
+        """Write the result of a part to the journal: it is on the disk when this returns.
 
         Parameters
         ----------
         name : str
-            Its name.
+            Name of the part.
         result : dict
-            What it came to, as values that JSON can hold.
+            Result of the part, as values that JSON can hold.
 
         Raises
         ------
         OutputError
-            If it cannot be written; what the journal held before is still good.
+            If the result cannot be written; the results written before are still good.
         """
         self._keep({"part": name, "result": result})
 

@@ -1,9 +1,10 @@
-"""Which bifurcations, found at the values of a second parameter, are one that goes on from value to value: a *locus*.
+"""Which bifurcations, found at different values of a second parameter, are one that continues from value to value: a
+*locus*.
 
-Two at neighbouring values are joined if they are alike (their kind, the stop that is grazed, whether it is touched at
-all before, and the period multiple), each is the other's nearest of these by far, and they are near.  Where a locus
-comes from two values before, it is looked for where the line through these leads.  What is doubtful is not joined:
-values that lie closer together join more.
+Two bifurcations at neighbouring values are joined if three conditions hold.  They are alike: their kind, the stop that
+is grazed, whether it is touched at all before, and the period multiple.  Of all that are alike, each is by far the
+nearest to the other.  And they are near.  Where a locus has points at two earlier values, the next is looked for on the
+line through both.  Doubtful pairs are not joined: with values closer together, more bifurcations are joined.
 """
 
 from __future__ import annotations
@@ -17,13 +18,15 @@ from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.problem import FloatArray
 
 _BY_FAR = 2.0
-"""Least ratio of the distances to the second nearest and to the nearest bifurcation for the nearest to count."""
+"""Least ratio of the distance to the second nearest bifurcation to the distance to the nearest, for the nearest to be
+joined."""
 _NEAR = 0.5
-"""Largest distance at which two bifurcations are joined: the parameter, or the impulses, change by half of their
-size."""
+"""Largest distance at which two bifurcations are joined: a change of the parameter, or of the impulses, by half of
+their size."""
 
 _NO_IMPULSE = 1e-3
-"""Impulse, over the largest impulse of all motions, below which differences of impulses do not matter."""
+"""Impulse, divided by the largest impulse of all motions, below which relative differences of impulses are not
+counted."""
 
 
 def loci_of(
@@ -36,9 +39,9 @@ def loci_of(
 ) -> IndexArray:
     """The number of each bifurcation's locus, shape (n,), from 0 in the sequence of the bifurcations.
 
-    `values` are all values of the second parameter; `labels`, `second` and `value`, of length n, are what must agree
-    along a locus (None: joined to nothing), the second parameter, and the parameter of each bifurcation; `impulses`,
-    shape (n, s), are those of the stops in N s, and `largest` is the largest impulse of all motions.
+    `values` are all values of the second parameter.  Of length n are `labels`, which must agree along a locus (None:
+    joined to nothing), `second`, the second parameter, and `value`, the parameter of each bifurcation.  `impulses`,
+    shape (n, s), are the impulses of the stops in N s, and `largest` is the largest impulse of all motions, in N s.
     """
     where = np.column_stack([value, np.nan_to_num(impulses)])
     least = _NO_IMPULSE * largest
@@ -63,7 +66,7 @@ def _expected(i: int, before: IndexArray, second: FloatArray, where: FloatArray,
 
 
 def _pairs(here: FloatArray, expected: FloatArray, there: FloatArray, least: float) -> list[tuple[int, int]]:
-    """Those that are each other's nearest by far, and near; `least` is that of `_apart`."""
+    """Pairs of bifurcations that are near, each by far the nearest to the other; `least` is an argument of `_apart`."""
     if not len(here) or not len(there):
         return []
     apart = np.array([[_apart(a, b, size, least) for b in there] for a, size in zip(expected, here, strict=True)])
@@ -76,7 +79,8 @@ def _pairs(here: FloatArray, expected: FloatArray, there: FloatArray, least: flo
 
 
 def _apart(expected: FloatArray, found: FloatArray, size: FloatArray, least: float) -> float:
-    """Distance of two bifurcations over their size: of the numbers, and of the impulses, where these are not tiny."""
+    """The larger of the relative distances of two bifurcations in the parameter and in the impulses; `least`, N s, is
+    the least size by which distances of impulses are divided."""
 
     def share(part: slice, least: float) -> float:
         whole = max(float(np.linalg.norm(size[part])), float(np.linalg.norm(found[part])), least)
@@ -86,7 +90,8 @@ def _apart(expected: FloatArray, found: FloatArray, size: FloatArray, least: flo
 
 
 def _numbered(before: IndexArray, ascending: IndexArray) -> IndexArray:
-    """Numbers of loci, in the sequence of the bifurcations, from the bifurcation before each."""
+    """Numbers of loci, from 0 in the sequence of the bifurcations; `before` has the previous bifurcation of each on its
+    locus, or a negative number."""
     first = np.arange(before.size)
     for i in ascending.tolist():
         if before[i] >= 0:

@@ -1,4 +1,5 @@
-"""Motions of curves as values that JSON can hold, and back to the last bit."""
+"""Motions of curves as values that JSON can hold, and the motions made from these values again, equal to the last
+bit."""
 
 from __future__ import annotations
 
@@ -84,8 +85,8 @@ def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
     """A bifurcation or graze as values that JSON can hold; None for a graze whose motion with one contact more is not
     known.
 
-    ``kind`` names it; ``zone`` and ``finer`` say which zone, and which of the zone's resolutions; the motion is added
-    as `plain_start` gives it.
+    ``kind`` names it.  ``zone`` is its zone of the range, and ``finer`` the number of its resolution in the zone, from
+    the coarsest.  The motion is added as `plain_start` gives it.
     """
     point = what.point if isinstance(what, Bifurcation) else what.more
     if point is None:

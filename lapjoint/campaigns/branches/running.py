@@ -1,7 +1,7 @@
-"""Runs a search for branches from what is asked to its dataset; its parts are done by workers at the same time.
+"""Runs a search for branches from its question to its dataset; workers do the parts of the search simultaneously.
 
-Several workers follow a few branches each of all values of a second parameter; one process takes one value after the
-other, and one branch after the other.
+Several workers follow a few branches at each value of a second parameter.  One process takes one value after the other,
+and one branch after the other.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from lapjoint.campaigns.branches.search import Diagram, Part, Search
 
 _AHEAD, _AHEAD_OF_OTHERS = 2, 32
-"""Number of branches under way at each value of a second parameter, for each process, and for workers whose number is
-not known: of two branches, one waits in the queue, so that no process waits for work."""
+"""Numbers of branches under way at each value of a second parameter: for each process, and for workers whose number is
+not known.  With two branches for a process, one waits in the queue, so that no process waits for work."""
 
 
 def branch(
@@ -184,7 +184,7 @@ class _Work:
         return [search.diagram for search in searches]
 
     def _do(self, searches: list[Search]) -> None:
-        """Do some searches at the same time: their starts, and then their branches."""
+        """Do some searches simultaneously: their starts, and then their branches."""
         from lapjoint.campaigns.branches.cells import Parts
 
         def next_parts() -> list[Part]:

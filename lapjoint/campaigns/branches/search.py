@@ -1,8 +1,9 @@
 """A search for branches: starts first, then the branches of the motions that the starts lead to.
 
-Motions wait in the sequence in which starts and branches give them.  At its turn, a motion is dropped if it lies on a
-branch taken before.  Workers may follow branches ahead of their turn; at its turn, a branch is dropped if it is known
-by then.  So neither the number of workers nor an interruption changes the result or its sequence.
+Motions wait in a queue, in the sequence in which starts and branches give them.  When a motion's turn comes, it is
+dropped if it lies on a branch taken before.  Workers may follow branches ahead of their turn.  When the turn of such a
+branch comes, it is dropped if it is known by then.  The result and its sequence therefore depend neither on the number
+of workers nor on interruptions.
 """
 
 from __future__ import annotations
@@ -42,13 +43,13 @@ class Part:
 
     @property
     def is_random(self) -> bool:
-        """Whether it is a random start, and not one at an end of the range."""
+        """Whether the part is a random start, and not a start at an end of the range."""
         return self.start is None and self.number >= 2
 
     def solved(self, spec: BranchSpec, progress: Progress | None = None) -> dict[str, Any]:
         """The result of the part, as `solve_start` or `solve_branch` gives it.
 
-        `progress` is called with the share of a branch that is followed, and with one.
+        `progress` is called with the fraction of a branch that is followed, and with 1, the whole.
         """
         own = spec.at(self.value)
         if self.start is None:
@@ -65,9 +66,9 @@ class Diagram:
     failures: Sequence[str] = ()
     """Why a start, a motion that was found, or a branch that springs from another could not be followed."""
     left_out: int = 0
-    """Number of motions whose branches were not followed because the effort was spent."""
+    """Number of motions whose branches were not followed because the limit of effort was reached."""
     reached: Reached = field(default_factory=Reached)
-    """What the random starts led to."""
+    """Counts of the branches to which the random starts led."""
 
 
 @dataclass(frozen=True)
@@ -79,18 +80,18 @@ class _Waiting:
     motion: Motion = field(compare=False)
     """The motion."""
     source: Part
-    """The start that leads to the motion, or the part on whose branch the motion was found."""
+    """The start that leads to the motion, or the part that follows the branch on which the motion was found."""
 
     @property
     def kin(self) -> tuple[int, int]:
-        """Source and half periods of the motion, which motions of one branch often have in common."""
+        """Source and half periods of the motion: motions of one branch often have both in common."""
         assert self.part.start is not None
         mother = -1 if self.source.start is None else self.source.number
         return mother, int(self.part.start["half_periods"])
 
 
 class Search:
-    """The search at one value of the second parameter; `ahead` branches may be under way or wait for a worker."""
+    """The search at one value of the second parameter; up to `ahead` branches may be under way or wait for a worker."""
 
     def __init__(self, spec: BranchSpec, value: int, ahead: int) -> None:
         self._spec, self._value, self._ahead = spec.at(value), value, ahead
@@ -100,7 +101,7 @@ class Search:
         self._number = 0
         """Number of motions that have been found."""
         self._given = set[str]()
-        """Names of all parts that have been given."""
+        """Names of all parts that `go_on` has returned."""
         self._taken: dict[str, dict[str, Any]] = {}
         """The branches that have been taken, by the names of their parts."""
         self._curves: dict[str, Curve] = {}
@@ -122,8 +123,7 @@ class Search:
         return Diagram(list(self._taken.values()), self._failures, count, _reached([*self._passed, *left_out]))
 
     def go_on(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
-        """Take results of parts, by their names, and return the parts that can be done next and were not returned
-        before.
+        """Take results of parts, by their names, and return the parts that can be done next, each only once.
 
         Results may come from an earlier run.
         """
@@ -146,7 +146,7 @@ class Search:
         return self._give(self._chosen(found))
 
     def _give(self, parts: list[Part]) -> list[Part]:
-        """Parts that have not been given before."""
+        """Those of `parts` that have not been given out before; they count as given out now."""
         new = [part for part in parts if part.name not in self._given]
         self._given |= {part.name for part in new}
         return new
@@ -154,7 +154,7 @@ class Search:
     def _chosen(self, found: Mapping[str, dict[str, Any]]) -> list[Part]:
         """The branches to be followed next: the branch whose turn has come, then branches ahead of their turn.
 
-        With one process nothing is followed ahead.  A motion that may lie on a branch under way waits for that branch
+        With one process no branch is followed ahead.  A motion that may lie on a branch under way waits for that branch
         while other motions are left.
         """
         if not self._waiting:
@@ -176,7 +176,7 @@ class Search:
         return [one.part for one in chosen]
 
     def _take_start(self, part: Part, found: Mapping[str, dict[str, Any]]) -> None:
-        """Take what a start has come to."""
+        """Take the result of a start: its motions wait from now on."""
         one = found[part.name]
         if one.get("message"):
             self._fail(f"start {part.number} {self._where(self._spec.value_of(part.number))}: {one['message']}")
@@ -195,7 +195,7 @@ class Search:
         return waiting.part.name
 
     def _wait_for(self, starts: Sequence[Mapping[str, Any]], source: Part) -> None:
-        """Put motions at the end of the sequence."""
+        """Put motions at the end of the queue."""
         for start in starts:
             part = Part(self._value, self._number, start)
             self._waiting.append(_Waiting(part, Motion(self._spec, start), source))
@@ -216,7 +216,7 @@ class Search:
 
     @property
     def _is_spent(self) -> bool:
-        """Whether the branches have all the points that the effort allows, each counted by its period multiple."""
+        """Whether the branches taken have as many points as the effort allows, each counted by its period multiple."""
         return self._points >= self._spec.effort
 
     def _where(self, value: float) -> str:
@@ -229,7 +229,8 @@ class Search:
 
 
 def _reached(motions: Sequence[tuple[_Waiting, str | None]]) -> Reached:
-    """The counts of what random starts led to, from motions with the branches on which they lie."""
+    """The counts of branches to which random starts led, from motions with the names of the branches on which they
+    lie."""
     stable, others, leads, known = list[str | None](), list[str | None](), dict[str, set[str]](), set[str]()
     for one, branch in motions:
         if one.source.is_random:

@@ -27,12 +27,12 @@ from lapjoint.orbits.steady_state import mirrors_itself
 from lapjoint.solver import Solver
 
 _A_FEW = 3
-"""Number of points after which all that a branch takes is compiled."""
+"""Number of points of a branch after which every function that a branch needs is compiled."""
 
 
 @in_one_thread
 def solve_start(spec: BranchSpec, number: int) -> dict[str, Any]:
-    """The motion to which a start leads, as ``starts``; at an end of the range, the motion without contact, too.
+    """The motion to which a start leads, as ``starts``.  At an end of the range, the motion without contact is added.
 
     Starts 0 and 1 are the ends of the range, further starts are random.
     """
@@ -71,7 +71,8 @@ def solve_branch(
 
 
 def follow_a_little(spec: BranchSpec, plain: Mapping[str, Any]) -> None:
-    """Follow the branch of a motion for a few points, so that all that a branch takes is compiled and cached."""
+    """Follow the branch of a motion for a few points, so that every function that a branch needs is compiled and
+    cached."""
     with suppress(SolverError):
         in_one_thread(trace)(range_of(spec), start_of(plain), 1, Limits(_A_FEW))
 

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from lapjoint.orbits.branches.resolution import ParameterRange
 
 MAX_POINTS = 5000
-"""Default of the largest number of points of a branch: twice what the paper's joint needs from 1 to 5000 rad/s."""
+"""Default of the largest number of points of a branch: twice as many as the paper's joint needs from 1 to 5000
+rad/s."""
 MOST_POINTS = 1_000_000
 """Largest number of points of a branch that may be asked for."""
 EFFORT = 100_000
@@ -32,16 +33,17 @@ MOST_MULTIPLE = 64
 _PARTS = 3
 """Number of the form in which a journal keeps parts; a journal of another form is not resumed."""
 _KEPT = 8
-"""Number of searches whose period maps are cached: values of a second parameter are searched at the same time."""
+"""Number of searches whose period maps are cached: several values of a second parameter are searched simultaneously."""
 
 
 @dataclass(frozen=True)
 class BranchSpec:
-    """Everything on which branches depend; the fields are the arguments of `lapjoint.branch`.
+    """The question of a search: everything on which its branches depend.  The fields are the arguments of
+    `lapjoint.branch`.
 
-    `first` and `last` are the ends of the range; the starts at the ends, from the initial state and without contact,
-    are always among the starts; `effort` holds at each value of a second parameter, `also_over`.  `InputError` is
-    raised if a value is not allowed.
+    `first` and `last` are the ends of the range.  The starts at the ends are always included: at each, the motion from
+    the initial state, and the motion without contact.  `effort` is the limit at each value of the second parameter,
+    `also_over`.  `InputError` is raised if a value is not allowed.
     """
 
     noun: ClassVar[str] = "search for branches"
@@ -102,7 +104,7 @@ class BranchSpec:
 
     @property
     def size(self) -> int:
-        """Number of starts, those from the ends of the range included."""
+        """Number of starts, those at the ends of the range included."""
         return self.starts + 2
 
     def problem_at(self, value: float) -> Problem:
@@ -153,7 +155,7 @@ class BranchSpec:
 
 
 class _Key:
-    """A search as a key: two with the same fingerprint are one."""
+    """A search as the key of a cache: two searches with one fingerprint are equal."""
 
     def __init__(self, spec: BranchSpec) -> None:
         self.spec = spec

@@ -29,12 +29,13 @@ KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
 _YES_NO = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
 _BESIDE = 2
-"""Number of points on either side of a graze that are looked at: one lies just before the graze, and one just
+"""Number of points on either side of a graze that are tested for contacts: one lies just before the graze, and one just
 beyond."""
 _AT = 1e-9
-"""Largest distance of two values of the parameter, over the range, that are one: motions are solved to 1e-9."""
+"""Largest distance of two values of the parameter, divided by the range, that count as one: motions are solved to
+1e-9."""
 _NO_IMPULSE = 1e-3
-"""Largest impulse at a first graze, over the largest impulse of the branch: just beyond the graze, contacts have
+"""Largest impulse at a first graze, divided by the largest impulse of the branch: just beyond the graze, contacts have
 begun."""
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 """Dimensions, values and attributes of a variable, as xarray takes them."""
@@ -223,7 +224,7 @@ def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
 
 
 def _not_followed(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
-    """What the search found and did not follow."""
+    """The motions and starts that the search found and did not follow."""
     dimensions = () if spec.also_over is None else (spec.also_over.name,)
     left = np.array([diagram.left_out for diagram in diagrams], dtype="i4")
     text = "number of motions whose branches were not followed, as the effort was spent"
@@ -269,7 +270,7 @@ def _not_covered(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Var
 
 
 def _unknown(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
-    """What the random starts led to, and the probability that another start leads to an unknown branch."""
+    """The counts of the random starts, and the probability that another start leads to an unknown branch."""
     if not spec.starts:
         return {}
     dimensions, rows = () if spec.also_over is None else (spec.also_over.name,), [one.reached for one in diagrams]

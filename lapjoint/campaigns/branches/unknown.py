@@ -1,9 +1,9 @@
-"""How likely it is that a branch is unknown: what random starts tell of the starts that were not made.
+"""How likely it is that a branch is unknown, estimated from the random starts of a search.
 
-Without a start, its branch would be unknown if nothing else leads there: neither another start, nor the ends of the
-range, nor a branch to which these lead.  Random starts are alike, so the next start leads to an unknown branch about as
-often as a start that was made would have done without the other starts.  If N starts led to stable motions, and n1 of
-them led alone to their branch, the probability is about n1 / N (Good, Biometrika 40, 1953, p. 237).
+A branch that only one start found would be unknown without that start: no other start, no end of the range, and no
+branch to which these lead, leads there.  Random starts are alike, so the next start leads to an unknown branch about as
+often as one of the starts made was the only one to find its branch.  If N starts led to stable motions, and n1 of them
+led alone to their branch, the probability is about n1 / N (Good, Biometrika 40, 1953, p. 237).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from scipy.special import betaincinv
 
 _CONFIDENCE = 0.99
-"""Confidence of the interval of Clopper and Pearson for n1 of N independent starts that stands for 95 %. The unknown
-share varies with the branches found, which doubles the variance (Esty, Annals of Statistics 11, 1983, p. 905): 99 %, or
-2.33 standard deviations, stand for 1.64 times the root of two."""
+"""Confidence of the Clopper-Pearson interval for n1 of N independent starts that is used as the 95 % interval.  The
+unknown share varies with the branches found, which doubles the variance (Esty, Annals of Statistics 11, 1983, p. 905):
+the quantile of 99 %, 2.33 standard deviations, is 1.64, that of 95 %, times the root of two."""
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Reached:
     starts: int = 0
     """Number of random starts that led to a stable motion."""
     branches: int = 0
-    """Number of branches that have these motions; each motion whose branch was not followed counts as one."""
+    """Number of branches on which these motions lie; each motion whose branch was not followed counts as one."""
     alone: int = 0
-    """Number of these branches to which only one start leads."""
+    """Number of these branches to which only one random start leads, and nothing else."""
 
     @property
     def probability(self) -> float | None:
@@ -47,11 +47,12 @@ class Reached:
 def reached(
     stable: Sequence[str | None], others: Sequence[str | None], leads: Mapping[str, Set[str]], known: Set[str]
 ) -> Reached:
-    """The counts of what random starts led to.
+    """The counts of the branches to which random starts led.
 
-    `stable` and `others` name the branch of each random start that led to a stable and to an unstable motion, or None
-    if no branch was followed that has the motion.  `leads` names the branches on which motions lie that a branch leads
-    to. `known` names the branches of the starts at the ends of the range.
+    `stable` and `others` have one entry for each random start that led to a stable and to an unstable motion: the name
+    of the branch on which the motion lies, or None if that branch was not followed.  `leads` gives, for each branch,
+    the names of the branches to which motions on it lead.  `known` names the branches of the starts at the ends of the
+    range.
     """
     known = _all_from(known, leads)
     found = [set() if one is None else _all_from({one}, leads) for one in (*stable, *others)]

@@ -1,4 +1,4 @@
-"""The bifurcations of branches looked for by another solver: what is asked, how it is found, and the table."""
+"""The bifurcations of branches looked for by another solver: the question, how it is answered, and the table."""
 
 from lapjoint.campaigns.confirm.running import confirm
 

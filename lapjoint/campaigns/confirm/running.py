@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class ConfirmJob(Job["ConfirmSpec", "Confirmed"]):
     """The work on a confirmation; its cells are the bifurcations.
 
-    What imports scipy is imported late, as `lapjoint.campaigns` is imported for much less.
+    Modules that import scipy are imported late, because `lapjoint.campaigns` is also imported for lighter work.
     """
 
     longest_batch: ClassVar[int] = 4
@@ -33,13 +33,13 @@ class ConfirmJob(Job["ConfirmSpec", "Confirmed"]):
     def answer(
         self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
     ) -> tuple[Confirmed, None]:
-        """What the other solver has for a bifurcation."""
+        """The result of the other solver for a bifurcation."""
         from lapjoint.campaigns.confirm.solve import solve_bifurcation
 
         return solve_bifurcation(self.spec, cell), None
 
     def point(self, fields: Mapping[str, Any]) -> Confirmed:
-        """What came of a bifurcation, from its attributes."""
+        """The result for a bifurcation, from its attributes."""
         from lapjoint.campaigns.confirm.solve import Confirmed
 
         return Confirmed(**fields)

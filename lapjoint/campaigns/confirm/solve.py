@@ -17,14 +17,15 @@ from lapjoint.orbits.branches.errors import Stated
 
 @dataclass(frozen=True)
 class Confirmed:
-    """What the other solver has for a bifurcation."""
+    """The result of the other solver for a bifurcation."""
 
     value: float = np.nan
     """The parameter by the other solver, in its SI unit; NaN where the other solver does not find the bifurcation."""
     error: float = np.nan
-    """Its error, in that unit; infinite where none can be stated, NaN where the bifurcation is not found."""
+    """Error of the other solver's value, in the unit of the value; infinite where none can be stated, NaN where the
+    bifurcation is not found."""
     verdict: Verdict = "not found"
-    """Whether both agree."""
+    """Whether both solvers agree."""
     message: str = ""
     """Why the bifurcation is not found."""
 

@@ -30,11 +30,11 @@ class Row:
     number: int
     """Its number in the file."""
     kind: str
-    """What it is."""
+    """Kind of the bifurcation."""
     value: float
     """The parameter at the bifurcation, in its SI unit."""
     error: float
-    """Its error, in the same unit."""
+    """Error of the parameter, in its SI unit."""
     stop: int
     """The stop that is grazed."""
     arcs: str
@@ -101,7 +101,7 @@ class ConfirmSpec:
 def confirm_spec(
     found: xr.Dataset, solver: str, options: Mapping[str, Any], share: float = 1.0, seed: int = 0
 ) -> ConfirmSpec:
-    """What is asked of the confirmation of a dataset of branches; the arguments are those of `lapjoint.confirm`.
+    """The question of the confirmation of a dataset of branches; the arguments are those of `lapjoint.confirm`.
 
     InputError is raised if an argument is not allowed, or the dataset has nothing that can be confirmed.
     """
@@ -122,7 +122,7 @@ def confirm_spec(
 
 
 def _spec_of(found: xr.Dataset) -> BranchSpec:
-    """What was asked of the search whose result a dataset of branches is."""
+    """The question of the search that made a dataset of branches."""
     attrs = found.attrs
     second = next((one for one in found.coords.values() if "path" in one.attrs), None)
     return BranchSpec(

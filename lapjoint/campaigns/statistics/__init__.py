@@ -1,1 +1,1 @@
-"""Statistics of long motions: what is asked, how each realisation is summarised, and the table."""
+"""Statistics of long motions: the question, how each realisation is summarised, and the table."""

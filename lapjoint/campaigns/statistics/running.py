@@ -32,11 +32,11 @@ class StatisticsJob(Job[Realisations, Realised]):
         return solve_realisation(self.spec, cell, solver, progress), None
 
     def rehearse(self, solver: Solver) -> None:
-        """Have what workers need compiled."""
+        """Compile the functions that workers need."""
         rehearse(self.spec, solver)
 
     def point(self, fields: Mapping[str, Any]) -> Realised:
-        """What came of a realisation, from its attributes."""
+        """The result of a realisation, from its attributes."""
         return Realised(**fields)
 
     def dataset(self, points: Mapping[int, Realised]) -> xr.Dataset:

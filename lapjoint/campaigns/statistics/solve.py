@@ -1,4 +1,5 @@
-"""How a realisation is summarised: to sums that do not grow with its duration, and that depend on no other one."""
+"""How a realisation is summarised: by sums whose number does not grow with the duration, independent of other
+realisations."""
 
 from __future__ import annotations
 
@@ -11,15 +12,15 @@ from lapjoint.solver import Progress, Solver
 from lapjoint.summaries.measure import sums_of
 
 REHEARSAL = 1e-3
-"""Part of the duration that is marched to have everything compiled, before workers begin."""
+"""Fraction of the duration that is marched to compile all functions before workers begin."""
 
 
 @dataclass(frozen=True)
 class Realised:
-    """What came of one realisation."""
+    """The result of one realisation."""
 
     sums: dict[str, Any] | None = None
-    """Its sums, as `Sums.plain` gives them; None if the solver gave up."""
+    """Sums of the realisation, as `Sums.plain` gives them; None if the solver gave up."""
     message: str = ""
     """Why the solver gave up; empty where it did not."""
 

@@ -1,6 +1,6 @@
-"""What is asked of statistics: the problem, the duration of its motions, and the number of realisations.
+"""The question of statistics: the problem, the duration of its motions, and the number of realisations.
 
-A realisation is the problem with other seeds of its random parts: its own plus the number of the realisation.  A cell
+A realisation is the problem with other seeds of its random parts: each seed plus the number of the realisation.  A cell
 is one realisation.
 """
 
@@ -65,9 +65,9 @@ class Realisations:
         return solver
 
     def measure(self, solver: Solver) -> Measure:
-        """How each motion is summarised; the solver gives the modes that tell how fast motions settle.
+        """How each motion is summarised; modes from the solver give the time in which motions settle.
 
-        InputError is raised if something is not allowed, or nothing is left of a motion.
+        InputError is raised if an argument is not allowed, or the time to settle leaves no motion.
         """
         what = selection(self.problem, at=self.at, quantities=self.quantities)
         return measure(what, solver, self.duration, seeds=self.seeds, settle=self.settle, rate=self.rate)

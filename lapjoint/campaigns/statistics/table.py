@@ -1,4 +1,4 @@
-"""The dataset of statistics, from the sums of the realisations in their order, whichever worker made which."""
+"""The dataset of statistics, from the sums of the realisations in the order of their numbers."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Steady states over a grid of problems: what is asked, how each is found, and the table."""
+"""Steady states over a grid of problems: the plan, how each is found, and the table."""

@@ -30,7 +30,7 @@ class SweepJob(Job[Plan, Point]):
     """Largest number of independent cells in a batch, so that the last batches end at about the same time."""
 
     def chains(self) -> Iterable[tuple[int, ...]]:
-        """The cells of each chain, where motions start from those before them."""
+        """The cells of each chain, in which each motion starts from the motion before it."""
         return self.spec.chains() if self.spec.chained else ()
 
     def answer(

@@ -1,7 +1,7 @@
-"""What is asked of a sweep: the grid, the solver, and the initial state of each motion.
+"""The plan of a sweep: the grid, the solver, and the initial state of each motion.
 
 A *cell* is one motion to be found: a point of the grid, and the number of its start.  Cells are numbered in C order,
-with the start fastest.  The plan holds everything that a cell's answer depends on; the answer depends neither on the
+with the start fastest.  The plan holds everything on which a cell's answer depends.  The answer depends neither on the
 sequence of the work nor on the number of workers.
 """
 
@@ -23,7 +23,7 @@ from lapjoint.solver import Solver, make_solver
 from lapjoint.summaries.of_orbit import check_names
 
 Start = Literal["rest", "up", "down", "random"]
-"""How motions start; `Plan` says what the words mean."""
+"""How motions start; `Plan` defines the words."""
 MOST_STARTS = 10_000
 """Largest number of starts at a point."""
 

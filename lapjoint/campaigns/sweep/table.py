@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SAME_MOTION = 1e-3
-"""Largest difference of the impulses of one motion, relative to the largest impulse at the point: more than the
-numerical error of an impulse, and less than different motions differ."""
+"""Largest difference of impulses of one motion, divided by the largest impulse at the point: more than the numerical
+error of an impulse, and less than the difference between motions."""
 _LEADING = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part"
 _OUTCOMES = ["The solver gave up; see the variable message.", *(outcome.value for outcome in Outcome)]
 _COMMENT = " ".join(f"{name.lower()}: {sentence}" for name, sentence in zip(OUTCOME_CODES, _OUTCOMES, strict=True))
