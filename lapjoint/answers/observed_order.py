@@ -1,4 +1,4 @@
-"""The order of convergence that answers show."""
+"""The order of convergence observed in answers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from lapjoint.problem.schema import FloatArray
 
 ROUNDING = 1e-12
-"""Relative error up to which an error is taken for rounding, and left out of an order: some 5000 units in the last
+"""Relative error up to which an error counts as rounding, and is left out of the fit: some 5000 units in the last
 place, more than the sums in an answer lose."""
 
 

@@ -36,9 +36,9 @@ PER_PERIOD = 2.56
 """Samples in a period of the fastest frequency by default: more than the two that a sine needs, as vibration analysers
 take."""
 FORCE = "force"
-"""The one quantity that belongs to stops, not to places."""
+"""The only quantity of stops; all others are quantities of places."""
 _ROUNDING = 1e-9
-"""Samples: a last sample that lies beyond the end of the motion by less than this belongs to the motion."""
+"""Distance by which the last sample may lie beyond the end of the motion, in sampling intervals: rounding."""
 _FORCE = "N", "force of the stop on the beam, positive upwards"
 QUANTITIES = (*OF_PLACES, FORCE)
 """Names of the quantities."""

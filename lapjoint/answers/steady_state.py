@@ -20,18 +20,19 @@ from lapjoint.problem import FloatArray, Problem
 ComplexArray = npt.NDArray[np.complex128]
 
 CERTAIN = 4.0
-"""Standard errors by which an exponent must differ from zero: more than two, because the error is itself an estimate
-from few blocks, and because the search looks at several measurements."""
+"""Number of standard errors by which an exponent must differ from zero: more than two, because the error is itself an
+estimate from few blocks, and because the search looks at several measurements."""
 LEAST_GROWTH = 10.0
 """Least growth of a deviation, in factors of e, over a measurement that shows chaos, and least shrinkage that shows a
 stable motion: on a torus a deviation grows and shrinks by less, however long it is followed."""
 _CHATTER = 4
-"""Least number of contacts in a period of a stop that chatters: those before, between and after three flights."""
+"""Least number of contacts in a period of a stop that chatters: three flights have contacts before, between and
+after."""
 ALIKE = 0.1
 """Relative difference up to which the exponents of both halves agree, even if the growth hardly scatters."""
 SMALL = 0.1
-"""Largest exponent that counts as zero, over the lowest decay rate of free vibration: nearby motions would take ten
-times as long to part as free vibration takes to die away."""
+"""Largest exponent that counts as zero, divided by the lowest decay rate of free vibration: nearby motions would take
+ten times as long to part as free vibration takes to decay."""
 SENSITIVE = 1e8
 """Growth of a deviation from which rounding may decide which motion is reached: a rounding error of 1e-16 of the motion
 then grows to 1e-8, the difference that tells two motions apart."""
@@ -146,7 +147,7 @@ class Comparison:
     bounds: Callable[[FloatArray, float, int, int], FloatArray]
     """Error bounds from differences, as `lapjoint.orbits.refinement.Refinement.bounds` gives them."""
     floor: float
-    """Error that refinement does not show, relative to the largest value."""
+    """Error that a refinement does not reveal, divided by the largest value."""
 
 
 @dataclass(frozen=True)
@@ -162,11 +163,11 @@ class SteadyState(Shown):
     symmetric: bool
     """Whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)."""
     residual: float
-    """Distance between the start and the end of the motion's period, over the size of the motion."""
+    """Distance between the start and the end of the motion's period, divided by the size of the motion."""
     multipliers: ComplexArray = field(repr=False)
     """Floquet multipliers over the motion's period, largest modulus first, ``(m,)``; empty if it does not repeat."""
     exponent: Exponent | None
-    """Measured where the motion was not found to repeat."""
+    """The largest Lyapunov exponent, measured if the motion was not found to repeat; else None."""
     section_point: SectionPoint = field(repr=False)
     """The state at the start of `history`."""
     history: History = field(repr=False)
@@ -174,7 +175,7 @@ class SteadyState(Shown):
     impulses: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Impulse of each stop over one excitation period (the mean over the motion's period), N s, ``(stops,)``."""
     acceptance: Acceptance | None = None
-    """From where, and how late, the search accepted this motion; None where nothing was searched."""
+    """Where and when the search accepted this motion; None where nothing was searched."""
     impulse_errors: FloatArray | None = None
     """Estimate of the numerical error of each impulse, N s, ``(stops,)``; infinite where none can be stated, None where
     none was made.  Where the motion does not repeat, the standard error of the mean."""

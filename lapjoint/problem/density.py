@@ -1,6 +1,6 @@
-r"""A one-sided power spectral density, by breakpoints between which its logarithm is linear in that of the frequency.
+"""A one-sided power spectral density, given by breakpoints between which log S is linear in log f.
 
-Between two breakpoints S = S1 (f / f1)^b, so that with u = log(f2 / f1) and c = log(S2 / S1) + (p + 1) u
+Between two breakpoints S = S1 (f / f1)^b.  With u = log(f2 / f1) and c = log(S2 / S1) + (p + 1) u,
 
     integral of f^p S df = S1 f1^(p + 1) u (exp(c) - 1) / c.
 """
@@ -43,7 +43,8 @@ class Density:
     def moment(self, power: int) -> float:
         """The integral of (2 pi f)^power S over all frequencies, square of the unit over s^power, or infinite.
 
-        `power` is 0 for the variance, 2 for that of the rate of change, -2 for that of the integral over time.
+        With `power` 0 it is the variance of the signal, with 2 the variance of its rate of change, and with -2 the
+        variance of its integral over time.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             f, s = np.array(self.frequency), np.log(self.density)

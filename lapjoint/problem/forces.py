@@ -1,4 +1,4 @@
-"""All that drives the beam, as flat lists of forces: solvers need not know the kinds of excitation."""
+"""Everything that drives the beam, as flat lists of forces: solvers need not know the kinds of excitation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
 
 _WHOLE = 1e-12
-"""Largest relative distance of a quotient of frequencies from a whole number that is rounding."""
+"""Relative distance of a quotient of frequencies from a whole number, below which it is rounding."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,12 @@ class Forces:
 
     constant: tuple[ConstantForce, ...]
     harmonic: tuple[HarmonicForce, ...]
-    """Those of the base first, then those of the point loads; amplitudes may be 0."""
+    """Harmonic forces: first those of the base, then those of the point loads.  Amplitudes may be 0."""
     fundamental: float | None = None
-    """Angular frequency of which all harmonic forces but 0 are whole multiples, rad/s; None if there is none."""
+    """Angular frequency, rad/s, of which all harmonic forces with an amplitude are whole multiples; None if there is
+    none."""
     sampled: tuple[SampledForce, ...] = ()
-    """Those of the base first, then those of the point loads."""
+    """Sampled forces: first those of the base, then those of the point loads."""
 
     @property
     def every(self) -> tuple[ConstantForce | HarmonicForce | SampledForce, ...]:
@@ -84,7 +85,8 @@ class Forces:
 
     @property
     def change_sign(self) -> bool:
-        """Whether all forces change sign in half a period: none is constant, and none an even multiple."""
+        """Whether all forces change sign in half a period: no force is constant, and no harmonic is an even
+        multiple."""
         omega = self.fundamental
         if omega is None or self.constant:
             return False

@@ -45,19 +45,22 @@ DENSITY = _Usual("kg/m3", 10.0, 2.3e4, (("g/cm3", 1e3), ("t/mm3", 1e12), ("kg/mm
 LENGTH = _Usual("m", 1e-6, 500.0, (("mm", 1e-3), ("um", 1e-6)))
 """From cantilevers of micromechanics to bridges."""
 SLENDER = 0.5
-"""Depth of a section, over the beam's length, above which the theory of slender beams fails."""
+"""Depth of a section, divided by the beam's length, above which the theory of slender beams fails."""
 WIDE = 0.2
-"""Gap, over the beam's length, above which no small displacement closes it."""
+"""Gap, divided by the beam's length, above which no small displacement closes it."""
 RATIO = 2.0
-"""Damping ratio from which on a percentage was probably meant; a ratio of 1 is critical."""
+"""Damping ratio from which on a percentage was probably meant; 1 is critical damping."""
 FAST, SLOW = 1e4, 1e-6
-"""Excitation frequency, over a cantilever's lowest, above which the beam hardly responds, or below is static."""
+"""Limits of the excitation frequency, divided by a cantilever's lowest: above the first the beam hardly responds, below
+the second the excitation is static."""
 HARD, SOFT = 1e10, 1e-8
-"""Stiffness of a stop, over EI / L^3, above which it is a rock, and below which a feather, to the beam."""
+"""Limits of the stiffness of a stop, divided by EI / L^3: above the first the stop is practically rigid, below the
+second the beam hardly feels it."""
 
 
 def hints(beam: Beam, stops: Sequence[Stop], damping: Damping, forces: Forces) -> tuple[str, ...]:
-    """A line for each value that looks like a slip of unit: field, value, usual range, and the unit perhaps meant."""
+    """A line for each value that looks like a slip of unit: the field, its value, its usual range, and the unit that
+    was perhaps meant."""
     return (*_of_beam(beam), *_of_stops(stops, beam), *_of_damping(damping), *_of_excitation(forces, beam))
 
 

@@ -1,8 +1,9 @@
-"""Limits on the numbers of a problem, within which double precision holds all that follows from them.
+"""Limits of the numbers of a problem, within which double precision is sufficient for the problem and all that is
+computed from it.
 
 Every quantity that a problem states, or that follows from it, is at most 1e100 in SI units, so that its square is
-finite. Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness and
-damping have limits relative to the beam, and two supports that are not at one place are apart by more than rounding.
+finite.  Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness and
+damping have limits relative to the beam.  Two supports at different positions are farther apart than rounding.
 """
 
 from __future__ import annotations
@@ -22,23 +23,24 @@ from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import Structure
 
 _SOFTEST, _FIXED = 1e-16, 1e20
-"""Least and largest finite stiffness of a spring that supports the beam, over EI / L^3, or EI / L if it is torsional.
+"""Least and largest finite stiffness of a support, divided by EI / L^3, or by EI / L if it is torsional.
 On a softer spring the slowest mode takes some 1e8 times as long as a bending mode, and too few digits are left for its
 motion; a stiffer spring is fixed to rounding."""
 _STIFFEST = 1e13
-"""Largest stiffness of a stop over EI / L^3: too few digits are left for the compression of a stiffer one."""
+"""Largest stiffness of a stop, divided by EI / L^3: too few digits are left for the compression of a stiffer stop."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
 _NEAREST = 1e-12
-"""Distance, over the length of the beam, within which two places may be one, rounded."""
+"""Distance, divided by the length of the beam, within which two positions may be one, except for rounding."""
 _MOST_PHASE = 1e8
-"""Largest phase, rad: whole turns take half of the digits of a larger one."""
+"""Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
 
 def faults_of_size(
     joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad], initial: InitialState
 ) -> Iterator[str]:
-    """A line for each number of a problem out of its limits; its parts are valid, those of the excitation by path."""
+    """A line for each number of a problem that is out of its limits; the parts are valid, and those of the excitation
+    are given by their paths."""
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
@@ -88,7 +90,8 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
 
 
 def _of_places(joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
-    """Parts that are at the root but for rounding, and supports that coincide but for rounding: do these clamp?"""
+    """Parts within rounding of the root, and supports within rounding of each other: the messages ask whether a clamp
+    was meant."""
     least = _NEAREST * joint.beam.length
     supports = {f"supports[{i}].x": support.x for i, support in enumerate(joint.supports)}
     stops = {f"stops[{i}].x": stop.x for i, stop in enumerate(joint.stops)}

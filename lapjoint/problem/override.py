@@ -13,7 +13,7 @@ from lapjoint.problem.messages import shortened
 LONGEST_INDEX = 18
 """Largest number of digits of an index: no list has more elements, and Python refuses to read some thousand digits."""
 _PATHS = 256
-"""Number of paths whose keys are cached: those of one campaign."""
+"""Number of paths whose keys are cached: about the paths of one campaign."""
 DEEPEST = 20
 """Largest number of keys of a path; no field of a problem lies deeper than five."""
 
@@ -46,7 +46,7 @@ def path_keys(path: str) -> tuple[str, ...]:
 
 
 def toml_value(text: str) -> Any:
-    """The value of a TOML expression such as ``820`` or ``[0.01, 0.02]``; what is no TOML value is text."""
+    """The value of a TOML expression such as ``820`` or ``[0.01, 0.02]``; any other text is taken as text."""
     try:
         tables = tomllib.loads(f"value = {text.strip()}")
     except (ValueError, RecursionError):
@@ -68,7 +68,7 @@ def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
 
 
 def _below(part: Any, key: str, source: str) -> list[Any]:
-    """The parts to which a key leads; a table gets one if it has none."""
+    """The parts to which a key leads; an empty table is added where a table lacks the key."""
     if isinstance(part, dict):
         return [part.setdefault(key, {})]
     return [part[index] for index in _indices(part, key, source)]

@@ -1,4 +1,4 @@
-"""Forces that are linear between knots, in blocks, so that endless ones need no more memory than short ones."""
+"""Forces that are linear between knots, in blocks, so that endless forces need no more memory than short ones."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from lapjoint.problem.realisation import Realisation
 from lapjoint.problem.schema import FloatArray, IntArray
 
 KNOTS = 4096
-"""Intervals of the random force with the highest rate in a block: 0.1 MB."""
+"""Number of intervals in a block, of the random force with the highest rate: a block takes 0.1 MB."""
 _EVEN = 1e-9
-"""Relative difference of two times between knots that is rounding."""
+"""Relative difference of two times between knots, below which it is rounding."""
 _KEPT = 4
-"""Number of blocks that are cached: a march and the evaluation of its latest part are in two or three."""
+"""Number of blocks that are cached: a march, and the evaluation of its latest part, need two or three."""
 _CREST = 4.0
-"""Size of a Gaussian force over its root mean square: the force exceeds it 6e-5 of the time."""
+"""Size of a Gaussian force, divided by its root mean square: the force exceeds this size 6e-5 of the time."""
 
 
 class SampledForce(Protocol):
@@ -34,11 +34,12 @@ class SampledForce(Protocol):
 
     @property
     def rate(self) -> float | None:
-        """Knots per second, Hz, of a force that is made when it is asked for; None of a record."""
+        """Knots per second, Hz, of a force that is made when it is asked for; None for a record."""
 
     @property
     def usual_rate(self) -> float:
-        """Root mean square of the rate of change over that of the force, 1/s: of a sine its angular frequency."""
+        """Root mean square of the rate of change, divided by that of the force, 1/s; for a sine this is its angular
+        frequency."""
 
     @property
     def size(self) -> float:
@@ -60,7 +61,7 @@ class RecordedForce:
     knots: FloatArray
     """Times, s, ascending from 0, shape ``(K,)``."""
     values: FloatArray
-    """The force there, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
+    """Force at the knots, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
 
     @property
     def end(self) -> float:
@@ -74,7 +75,7 @@ class RecordedForce:
 
     @cached_property
     def usual_rate(self) -> float:
-        """See `SampledForce.usual_rate`; 0 of a force that is 0."""
+        """See `SampledForce.usual_rate`; 0 for a force that is 0."""
         h, f = np.diff(self.knots), self.values
         square = float(h @ (f[1:] ** 2 + f[1:] * f[:-1] + f[:-1] ** 2)) / 3
         return float(np.sqrt(np.sum(np.diff(f) ** 2 / h) / square)) if square > 0 else 0.0
@@ -116,13 +117,13 @@ class RandomForce:
 
     @property
     def usual_rate(self) -> float:
-        """The root mean square of the rate of change over that of the force, 1/s."""
+        """The root mean square of the rate of change, divided by that of the force, 1/s."""
         density = self.realisation.density
         return float(np.sqrt(density.moment(2) / density.moment(0)))
 
     @property
     def size(self) -> float:
-        """`_CREST` times its root mean square, N at a point, N/m along the beam."""
+        """`_CREST` times the force's root mean square, N at a point, N/m along the beam."""
         return _CREST * abs(self.factor) * float(np.sqrt(self.realisation.density.moment(0)))
 
     def knots_within(self, start: float, end: float) -> FloatArray:
@@ -143,7 +144,7 @@ class Ramps:
     force: FloatArray
     """The forces at the knots, N or N/m, shape ``(K, R)``."""
     step: float | None = None
-    """The time between most knots of all blocks, s, if it is known."""
+    """The time between most knots of all blocks, s; None if it is not known."""
 
     @property
     def end(self) -> float:
@@ -157,7 +158,7 @@ class Ramps:
 
     @cached_property
     def spacing(self) -> float:
-        """The time between knots, s, if most have one; else 0."""
+        """The time between knots, s, if it is the same for most; else 0."""
         if self.step is not None:
             return self.step
         between = np.diff(self.time)
@@ -174,8 +175,8 @@ class Ramps:
     def at(self, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The forces, N or N/m, and their slopes, N/s or N/(m s), at times `t`, s, shape (m,); each of shape (m, R).
 
-        At a knot the slope is that of the ramp after it. Before the first knot and after the last the nearest ramp goes
-        on.
+        At a knot the slope is that of the ramp after the knot.  Before the first knot and after the last, the nearest
+        ramp is extended.
         """
         j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
         return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
@@ -184,9 +185,9 @@ class Ramps:
 class RampBlocks:
     """The knots and values of ``R >= 1`` sampled forces, in blocks, up to the end of the force that ends first.
 
-    Recorded forces are one block. With random forces a block has `KNOTS` intervals of the random force with the highest
-    rate, and begins and ends with one of its knots; the other forces get a knot there, on their ramps. A time on the
-    edge of two blocks belongs to the second.
+    Recorded forces are one block.  With random forces, a block has `KNOTS` intervals of the random force with the
+    highest rate, and begins and ends at a knot of this force.  The other forces get a knot there, on their ramps.  A
+    time on the edge of two blocks belongs to the second block.
     """
 
     def __init__(self, forces: tuple[SampledForce, ...]) -> None:
@@ -234,7 +235,7 @@ class RampBlocks:
         return np.asarray(k - ((k > 0) & (self._edge(k) >= self.end)))
 
     def _edge(self, k: IntArray) -> FloatArray:
-        """When blocks begin, s, shape ``(m,)``."""
+        """Times at which blocks begin, s, shape ``(m,)``."""
         assert self._fastest is not None
         return np.asarray(k * KNOTS / self._fastest)
 

@@ -26,11 +26,12 @@ SAMPLES_A_PERIOD = 8.0
 """Default number of samples per period of the highest frequency.  Straight lines between samples take off 10 % of the
 density there, which the filter corrects, and add (1/7)^4 = 4e-4 of it at 7 times the highest frequency."""
 FEWEST_A_PERIOD = 2.5
-"""Least number of samples per period of the highest frequency: fewer add too much near the band."""
+"""Least number of samples per period of the highest frequency: with fewer, straight lines between samples add too much
+density near the band."""
 _MOST_ADDED = 0.01
-"""Largest share of the density that straight lines may add beyond the band without a warning."""
+"""Largest fraction of the density that straight lines may add beyond the band without a warning."""
 _BLUNT = 0.5
-"""Largest width of the lower edge, over the lowest frequency, without a warning."""
+"""Largest width of the lower edge, divided by the lowest frequency, without a warning."""
 
 
 def _squares(quantity: str) -> dict[str, float]:
@@ -62,7 +63,7 @@ def _in_pairs(psd: Any) -> Any:
 
 _AtLeastTwo = Field(json_schema_extra={"minItems": 2})
 LARGEST_SEED = 2**63 - 1
-"""Whole numbers of TOML, JSON and NetCDF have 64 bits."""
+"""Largest seed: whole numbers of TOML, JSON and NetCDF have 64 bits."""
 
 
 class Random(Part):

@@ -31,21 +31,23 @@ from lapjoint.problem.density import Density
 from lapjoint.problem.schema import FloatArray, IntArray
 
 SMEAR = 0.05
-"""Width over which the edges of the density smear, over the lowest frequency or the width of the band."""
+"""Width over which the edges of the density smear, divided by the lowest frequency, or by the width of the band if that
+is less."""
 LEAK = 1e-5
-"""Amplitude that passes far outside of the band, over the largest amplitude: 1e-10 of the density."""
+"""Amplitude that passes far outside of the band, divided by the largest amplitude: 1e-10 of the density."""
 MOST_TAPS = 2**20
 """Largest number of taps: a block of samples then takes 8 MB, and its transforms 64 MB."""
 _FINER = 4
-"""Frequencies at which the filter is laid out, over the number of taps: 20 of them are within an edge."""
+"""Number of frequencies at which the filter is laid out, divided by the number of taps: 20 of them are within an
+edge."""
 _LEAST_BLOCK = 2**12
-"""Least number of samples in a block: a shorter block would cost more for its generator than for its numbers."""
+"""Least number of samples in a block: in a shorter block the generator would take longer to make than its numbers."""
 _KEPT = 8
 """Number of filters that are cached, of 1 MB each for a band of two decades."""
 
 
 def _taps_needed(density: Density, rate: float) -> float:
-    """Number of taps that make edges as sharp as `SMEAR`."""
+    """Number of taps that limit the width of the edges to `SMEAR`."""
     return _edge_of_one_tap(rate) / (SMEAR * min(density.lowest, density.top - density.lowest))
 
 

@@ -53,9 +53,10 @@ class RecordedMotion:
         return np.asarray(y[j] + s * (v[j] + s * (a / 2 + s * slope / 6)))
 
     def line(self, derivative: int) -> tuple[float, float]:
-        """The line nearest to a derivative of the motion, in the mean square over time: its value half-way, and slope.
+        """The straight line nearest to a derivative of the motion, in the mean square over time: its value at mid-time,
+        and its slope.
 
-        The value is the mean of the derivative; both are in m over powers of s.
+        The value is the mean of the derivative, in m / s^derivative; the slope is in m / s^(derivative + 1).
         """
         T, half = float(self.time[-1]), np.diff(self.time)[:, None] / 2
         t = (self.time[:-1, None] + half + half * _GAUSS[0]).ravel()
@@ -63,7 +64,7 @@ class RecordedMotion:
         return float(values @ w) / T, 12 * float((values * (t - T / 2)) @ w) / T**3
 
     def without(self, derivative: int, value: float, slope: float) -> RecordedMotion:
-        """The motion less one whose `derivative`-th derivative is a straight line, as `line` gives it."""
+        """The motion minus a motion whose `derivative`-th derivative is a straight line, given as by `line`."""
         first, (y, v) = value - slope * float(self.time[-1]) / 2, self.start
         if derivative == 2:
             return RecordedMotion(self.time, self.acceleration - first - slope * self.time, self.start)

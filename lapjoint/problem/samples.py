@@ -85,7 +85,7 @@ class Samples:
 
 
 def _samples(value: Any) -> Samples:
-    """What was given as samples."""
+    """Samples, from samples or from a list or array of numbers."""
     return value if isinstance(value, Samples) else Samples(value)
 
 

@@ -1,4 +1,4 @@
-"""The joint without its excitation and its start: the part that all problems of a sweep over these share."""
+"""The joint without its excitation and its initial state: the part shared by all problems of a sweep over these two."""
 
 from __future__ import annotations
 
@@ -31,5 +31,5 @@ class Structure:
 
 @lru_cache(maxsize=_KEPT)
 def structure_of(beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping) -> Structure:
-    """The structure of these parts: one object for equal parts, as long as it is kept."""
+    """The structure of these parts: one object for equal parts, as long as it is cached."""
     return Structure(beam, supports, stops, damping)

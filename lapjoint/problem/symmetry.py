@@ -8,7 +8,8 @@ from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
 
 _KEPT = 64
-"""Number of structures whose twins are cached: problems of one sweep, or of one branch, share one."""
+"""Number of structures whose twins are cached: all problems of one sweep, or of one branch, mostly share one
+structure."""
 
 
 def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
