@@ -104,7 +104,7 @@ class PeriodMap:
 
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
+        """March a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
             motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False, keep=False)
@@ -201,7 +201,7 @@ class PeriodMap:
         return self._settled(SectionPoint(point.state, full, assembly.nodes))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
+        """March and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         n, S, back = y.size // 2, model.transfer(FREE, start.state), model.transfer(motion.state, FREE)
@@ -223,7 +223,7 @@ class PeriodMap:
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
+        """March and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
         impulses, switches = np.zeros((periods, len(self.problem.stops))), 0
         for i in range(periods):

@@ -288,7 +288,7 @@ def _advance(
         flow = Flow(system, t, *y.reshape(2, -1))
         time, stop, clear = math.inf, -1, True
         if orientation.size:
-            # The flow goes on beyond the end of the window, so the last step may, too.
+            # The flow is valid beyond the end of the window, so the last step may reach beyond it, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset, step)

@@ -21,8 +21,8 @@ _MISSED = 0.01
 """Largest error of the cubic between two points, as a fraction of the sum of the sizes of the rate's terms.  It
 balances the number of points against the number of intervals that have to be halved."""
 _OF_VALUE, _OF_SLOPE = 1 / 384, math.sqrt(3) / 216
-"""Errors of a cubic through a function's values and slopes at two points, and of the cubic's slope, over the function's
-fourth derivative and powers of the distance of the points (Birkhoff and Priver 1967)."""
+"""Errors of a cubic through a function's values and slopes at two points, and of the cubic's slope, divided by the
+function's fourth derivative and by the fourth, or third, power of the distance (Birkhoff and Priver 1967)."""
 _HALVINGS = 9
 """Most halvings of an interval between points: two extrema within the shortest part have nearly the same value."""
 _FAINT = 1e-6
@@ -60,7 +60,7 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
     has_begun = False
     for s in range(motion.duration.size):
         duration = motion.duration[s]
-        if duration <= 0:  # stops that switch at one time leave nothing between them
+        if duration <= 0:  # between simultaneous switches there is no time
             continue
         tau, step, left, loud = 0.0, 0.0, 0, 0
         while True:
@@ -92,7 +92,7 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
                     put(start, now)
                 if anew:  # terms that are faint at either end of the interval that leads here
                     missed[u, 1], missed[u, 2] = max(missed[u, 1], hereafter[u, 1]), max(missed[u, 2], hereafter[u, 2])
-                # `ends` is a stack: the intervals still to be looked at end at its points, the next one at the last
+                # `ends` is a stack: the intervals still to be examined end at its points, the next one at the last
                 put(ends[0], now)
                 count, least = 1 if tau > 0 else 0, 1.5 * (tau - start[0]) * 0.5**_HALVINGS
                 while count > 0:
@@ -205,7 +205,7 @@ def _vanishes(start: FloatArray, end: FloatArray, missed: FloatArray) -> int:
     first, last = start[1], end[1]
     second, third = first + way / 3 * start[2], last - way / 3 * end[2]
     bend = missed[0] * way**3
-    # the rates at points of halved ways have the faint terms, those at others lack them
+    # the rates at points of halving have the faint terms, the rates at the other points lack them
     of_value = _OF_VALUE * bend * way + missed[1] + way * missed[2]
     if min(first, second, third, last) > of_value or max(first, second, third, last) < -of_value:
         return 0

@@ -263,7 +263,7 @@ class SteadyStateSearch:
             self._progress(min(self.marched, self._effort.max_periods), self._effort.max_periods)
 
     def _look(self) -> Orbit | None:
-        """The orbit that the march is bound for, if one is found; the march goes on meanwhile."""
+        """The orbit that the march is bound for, if one is found; the march advances meanwhile."""
         for count in range(self._half_periods.least, 3, self._half_periods.least):
             orbit = self._orbit(count, FAR)
             if orbit is not None:
@@ -315,7 +315,7 @@ class SteadyStateSearch:
                 return False
 
     def _stays(self, orbit: Orbit) -> bool:
-        """March on until free vibration has decayed; whether the march is still at the orbit.
+        """March until free vibration has decayed; whether the march is still at the orbit.
 
         A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, and no forecast can
         show that a march is bound for the orbit.
@@ -401,7 +401,7 @@ class SteadyStateSearch:
     def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
         """Whether an aperiodic march may be a long transient: there is a stable orbit.
 
-        Orbits are looked for where the march nearly comes back after a few periods.
+        Orbits are searched for where the march nearly comes back after a few periods.
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known or self._rounding_decides:
             return self._stable_known and now.outcome is Outcome.APERIODIC
