@@ -1,7 +1,7 @@
 """Code by its syntax tree: definitions by name, where a piece of code stands in them, and other code in its place.
 
-Layout, comments and docstrings are no part of the comparison.  In a piece of code, ``...`` stands for any expression.
-As an argument, an element or a statement it stands for any number of them, and ``f(...)`` for any call of f.
+Layout and comments are no part of the comparison.  In a piece of code, ``...`` stands for any expression.  In a list of
+arguments, elements or statements, ``...`` stands for any number of them, and ``f(...)`` for any call of f.
 """
 
 from __future__ import annotations
