@@ -31,7 +31,8 @@ class Motion:
 
 
 def same_motion(one: SteadyState, other: SteadyState) -> bool:
-    """Whether two steady states agree in class, period and, to `SAME` of the largest, impulses; mirrors differ."""
+    """Whether two steady states agree in class, period and, to `SAME` of the largest, impulses; mirror images
+    differ."""
     if (one.outcome is Outcome.NO_CONTACT) != (other.outcome is Outcome.NO_CONTACT):
         return False
     if one.period_multiple != other.period_multiple:

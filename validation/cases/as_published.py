@@ -91,7 +91,8 @@ def settled(label: str, problem: Problem) -> Iterator[Check]:
 
 
 def first_settled(rows: FloatArray, stops: int, most: int) -> tuple[int, int]:
-    """After how many cycles a motion has settled by the rule, and after how many it repeats; zeros if it has not."""
+    """Number of cycles after which a motion has settled by the rule, and its period multiple; zeros if it has not
+    settled."""
 
     def alike(one: int, other: int) -> bool:
         return all(
@@ -108,12 +109,13 @@ def first_settled(rows: FloatArray, stops: int, most: int) -> tuple[int, int]:
 
 
 def same(name: str, unit: str, found: float, reference: float, u: float, how: str) -> Check:
-    """A number of the scheme against the same from elsewhere."""
+    """A number of the scheme against its value from elsewhere."""
     return Check(name, unit, Estimate(found, u, SCHEME.name), Estimate(reference, 0.0, how, Kind.CROSS_METHOD))
 
 
 def left_behind() -> Iterator[Check]:
-    """What switches leave behind, against integrals along the beam of the motion before and after them."""
+    """Displacement and velocity lost at switches, against integrals along the beam of the motion before and after
+    them."""
     problem = paper(FREQUENCIES[0])
     history, beam = SCHEME.simulate(problem, 2 * math.pi / FREQUENCIES[0] * 3), problem.beam
     measured = frozen_part(history)

@@ -16,8 +16,8 @@ import xarray as xr
 from lapjoint import branch
 from lapjoint.problem.files import from_toml
 from validation.case import Say
-from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure
-from validation.cases.rigid_bar import CURVED, RATIO
+from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure, to_rigid
+from validation.cases.rigid_bar import RATIO
 from validation.references.bilinear_map import BilinearMap, OneContact
 from validation.references.rigid_bar import RigidBar
 from validation.verdict import Check, Criterion, Estimate, Kind
@@ -82,13 +82,13 @@ class Birth:
     """A bar, and its bifurcation."""
 
     kind: str
-    """Its name in a dataset of branches."""
+    """Name of the bifurcation in a dataset of branches."""
     text: str
     """The problem file, with a place for the bending stiffness."""
 
     @property
     def name(self) -> str:
-        """In words."""
+        """The kind of bifurcation in words."""
         return self.kind.replace("_", " ")
 
     def closed_form(self) -> OneContact:
@@ -124,10 +124,7 @@ def _over(birth: Birth, say: Say) -> Iterator[Check | Criterion]:
         yield from _beside(birth, data, found, where)
         values.append(found[0].value)
     soft, stiff = values
-    change = stiff.value - soft.value
-    errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
-    how = f"beams {STIFFNESS:g} and {RATIO * STIFFNESS:g} N m2 stiff, taken to the limit"
-    a = Estimate(stiff.value + change / (RATIO - 1), CURVED * abs(change) + errors, how)
+    a = to_rigid(soft, stiff, STIFFNESS)
     b = Estimate(exact, 0.0, "where a multiplier of a rigid bar leaves the circle", Kind.ANALYTICAL)
     yield Check(f"bar, {birth.name}: {SOLVER}, against closed form", "m", a, b)
 

@@ -87,7 +87,7 @@ def _end(say: Say) -> Iterator[Check | Criterion]:
 
 
 def told_of(found: xr.Dataset) -> list[tuple[float, float]]:
-    """The parts of the range that the dataset tells are on no branch."""
+    """The parts of the range that the dataset reports as without a branch."""
     if "uncovered_from" not in found:
         return []
     ends = np.stack([found["uncovered_from"].values, found["uncovered_to"].values], axis=1)

@@ -123,7 +123,7 @@ def first_contacts(
 
 
 def duration_of(problem: Problem) -> float:
-    """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
+    """End of the last contact compared, at most some periods of the excitation or the slowest motion, s."""
     longest = PERIODS * longest_period(problem)
     contacts = complete(analytic.Solver().simulate(problem, longest, errors=False), CONTACTS)
     return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest

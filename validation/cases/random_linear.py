@@ -38,7 +38,7 @@ class Quantity:
     name: str
     unit: str
     variable: str
-    """In the dataset of statistics."""
+    """Name in the dataset of statistics."""
     x: float
     """m."""
     exact: float

@@ -130,12 +130,12 @@ class Plain:
 
     @cached_property
     def t(self) -> FloatArray:
-        """Times of the samples, s."""
+        """Times of the samples, s, shape (m,)."""
         return np.arange(math.ceil(self.start * DENSE), math.floor(self.motion.end * DENSE)) / DENSE
 
     @cached_property
     def samples(self) -> dict[str, FloatArray]:
-        """By the name of the quantity, shape ``(places, m)``."""
+        """Samples by the name of the quantity, shape (places, m)."""
         z = {(dx, dt): self.motion.evaluate(np.array(list(PLACES.values())), self.t, dx, dt) for dx, dt in self._needed}
         base = self.motion.problem.base_motion
         assert base is not None
@@ -160,7 +160,7 @@ class Plain:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """Its contacts."""
+        """Contacts of the motion."""
         found = []
         for it in self.motion.contacts:
             stop = self.motion.problem.stops[it.stop]
@@ -209,7 +209,8 @@ def batched(t: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArray:
 
 
 def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterator[Check]:
-    """Rates, shares of time, impulses and forces of each stop, with intervals, and what exceeds an edge."""
+    """Rates, shares of time, impulses and forces of each stop, with intervals, and the rate of peak forces above each
+    edge."""
     unit = edges[1] - edges[0]
     for k, stop in enumerate(plain[0].motion.problem.stops):
         where = f"of stop {k + 1}"
@@ -261,12 +262,12 @@ def wide(found: xr.Dataset, name: str, unit: str, ends: FloatArray, where: str, 
 
 
 def chosen(values: xr.DataArray, at: dict[str, float]) -> xr.DataArray:
-    """At a place, or of a stop."""
+    """The values at a position, or of a stop."""
     return values.sel(at, method="nearest") if "x" in at else values.isel({k: int(v) for k, v in at.items()})
 
 
 def of_units(found: xr.Dataset) -> Iterator[Check | Criterion]:
-    """How long units are against the time in which the slowest mode decays, and how much is left out."""
+    """Length of the units against the decay time of the slowest mode, and the length that is left out."""
     decay = 1 / (DAMPING * LOWEST)
     yield Criterion("units", "1", float(found.attrs["units"]), SEEDS * UNITS, SEEDS * UNITS, "as many fit")
     for name, most in (("unit_duration", 20.0), ("settle", 7.0)):
@@ -369,7 +370,7 @@ def forces(plain: Plain) -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Statistics, steady states and time series."""
     say(f"statistics of {SEEDS} motions")
     found = statistics(
         problem(0),

@@ -32,7 +32,7 @@ class Window:
 
     @property
     def words(self) -> str:
-        """What stands in the table."""
+        """The text for the table."""
         if not self.changes and not self.broken:
             return "followed through it: one branch of stable, symmetric motions without a bifurcation"
         return f"followed through it: {self.changes} changes, {self.broken} of symmetry"

@@ -93,11 +93,11 @@ class OneContact:
     """A motion with one contact in its pieces; time counts from the start of the contact."""
 
     duration: float
-    """Of the contact, s."""
+    """Duration of the contact, s."""
     amplitude: float
-    """Of the base, Y, m."""
+    """Amplitude Y of the base, m."""
     phase: float
-    """Of the load where the contact begins, rad."""
+    """Phase of the load where the contact begins, rad."""
     start: Array
     """(u, u') at the start of the contact, m and m/s, shape ``(2 n,)``."""
     end: Array
@@ -203,7 +203,8 @@ class BilinearMap:
         return at
 
     def _jumps(self, states: Array, sign: int) -> Array:
-        """What becomes of deviations at a switch of each state: what is early has the other side's damping longer."""
+        """Jump of deviations at a switch of each state: an early switch has the damping of the other side for
+        longer."""
         size, n = states.shape[1], self.free.count
         change = np.atleast_2d(self.free.damping) - np.atleast_2d(self.pressed.damping)
         force = sign * np.linalg.solve(np.atleast_2d(self.free.mass), change @ states[:, n:].T).T
@@ -250,11 +251,11 @@ class BilinearMap:
 
     @cached_property
     def stations(self) -> list[OneContact]:
-        """Motions of all durations, whether or not they are."""
+        """Motions of all durations of contact, whether or not they exist."""
         return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
-        """The motions of least or largest amplitude, of those beside them."""
+        """The existing motions of least or largest amplitude among their neighbours."""
         found = []
         for a, b, c in zip(self.stations, self.stations[1:], self.stations[2:], strict=False):
             sign = 1.0 if b.amplitude < min(a.amplitude, c.amplitude) else -1.0
@@ -303,6 +304,6 @@ class BilinearMap:
 
 
 def _on_circle(multipliers: Sequence[complex]) -> bool:
-    """Whether that whose modulus is nearest to one is not real."""
+    """Whether the multiplier whose modulus is nearest to one is complex."""
     nearest = min(multipliers, key=lambda one: abs(abs(one) - 1))
     return abs(nearest.imag) > _REAL * abs(nearest)

@@ -23,6 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 DATA = Path(__file__).with_name("references.toml")
 Array = npt.NDArray[np.float64]
 
@@ -56,10 +58,7 @@ class Family:
 def quadrature(modes: int) -> tuple[Array, Array]:
     """Points and weights along the beam, m, shape (points,) each: eight points to each half wave of the highest
     mode."""
-    x, w = np.polynomial.legendre.leggauss(8)
-    edges = np.linspace(0.0, LENGTH, modes + 2)
-    half = np.diff(edges)[:, None] / 2
-    return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    return gauss_panels(np.linspace(0.0, LENGTH, modes + 2), 8)
 
 
 def family(spring: float, modes: int) -> Family:

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 _REACH = 9.0  # Range in standard deviations of the motion without stops: the density beyond is below 1e-17
 
@@ -53,9 +55,7 @@ class Gibbs:
         reach = _REACH * self.speed / self.omega
         inner = np.clip([-self.bottom[0], self.top[0]], -reach, reach)
         edges = np.unique(np.concatenate([np.linspace(-reach, reach, 2001), inner]))
-        x, w = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+        return gauss_panels(edges, 8)
 
     def mean(self, power: int) -> float:
         """The mean of u^power, m^power."""
@@ -73,11 +73,8 @@ class Gibbs:
         edges = np.unique(
             np.concatenate([np.linspace(low, high, 401), np.clip([-self.bottom[0], self.top[0]], low, high)])
         )
-        x, g = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        points = (edges[:-1, None] + half) + half * x
-        inside = np.exp(-self.potential(points.ravel()) / self.speed**2)
-        return float((half * g).ravel() @ inside) / whole
+        points, weights = gauss_panels(edges, 8)
+        return float(weights @ np.exp(-self.potential(points) / self.speed**2)) / whole
 
     def upcrossings(self, level: float) -> float:
         """How often the displacement crosses a level upwards."""

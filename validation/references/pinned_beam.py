@@ -29,10 +29,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 
 _TERMS = 600  # Terms of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
-_GAUSS = np.polynomial.legendre.leggauss(16)
 _PANELS = 400  # Panels of the quadrature of the initial shapes: less than two half waves of the highest sine each
 
 
@@ -156,9 +157,7 @@ class PinnedBeam:
     def _initial(self) -> tuple[Array, Array]:
         """Modal coordinates and rates at t = 0."""
         L, _, m = self._beam
-        edges = np.linspace(0.0, L, _PANELS + 1)
-        half = np.diff(edges)[:, None] / 2
-        x, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        x, w = gauss_panels(np.linspace(0.0, L, _PANELS + 1), 16)
         shapes = math.sqrt(2 / (m * L)) * np.sin(np.multiply.outer(self._n * math.pi / L, x))
         given = self.tables.get("initial", {})
 

@@ -28,6 +28,8 @@ import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 Closed = frozenset[int]
 
@@ -35,7 +37,7 @@ _SAMPLES = 60
 """Samples of the gap functions in a period of the fastest mode or load: a contact longer than one is not missed."""
 _PERIODS = 2  # Such periods that are sampled together
 _CLOSE = 1e-15  # Tolerance of a switch, s: that of double precision
-_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # Panels and Gauss points of a contact's quadrature
+_PANELS, _POINTS = 4, 12  # Panels and Gauss points of a contact's quadrature
 
 
 @dataclass(frozen=True)
@@ -292,7 +294,7 @@ class RigidBar:
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
         inertia = self.mass_per_length * (a + modes @ (2 * decay * (modes.T @ self.M @ v)))  # damping with it
-        places, weights = _GAUSS
+        places, weights = np.polynomial.legendre.leggauss(_POINTS)
         half = (self.length - x) / 2
         s = x + half * (1 + places)
         total = -float(half * weights * (s - x) @ (self.N(s) @ inertia))
@@ -369,9 +371,7 @@ class BarMotion:
     def _contact(self, k: int, flows: list[Flow]) -> BarContact:
         stop, area, deepest = self.bar.stops[k], 0.0, 0.0
         for flow in flows:
-            edges = np.linspace(flow.start, flow.end, _PANELS + 1)
-            half = np.diff(edges)[:, None] / 2
-            t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+            t, w = gauss_panels(np.linspace(flow.start, flow.end, _PANELS + 1), _POINTS)
             area += float(self.bar.gap_function(k, flow.motion(t, 0)) @ w)
             deepest = max(deepest, self._deepest(k, flow))
         force = stop["stiffness"] * area * stop["sign"]
@@ -383,7 +383,7 @@ class BarMotion:
         def speed(s: float) -> float:
             return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0])
 
-        t = np.linspace(flow.start, flow.end, _PANELS * _GAUSS[0].size)
+        t = np.linspace(flow.start, flow.end, _PANELS * _POINTS)
         v = self.bar.rows[k] @ flow.motion(t, 1)
         turns = [brentq(speed, t[i], t[i + 1], xtol=_CLOSE) for i in np.flatnonzero(v[:-1] * v[1:] < 0)]
         return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())

@@ -27,7 +27,8 @@ PRINT_SCRIPT = (
     "if(!e)return;for(let d=e;d;d=d.parentElement)if(d.tagName==='DETAILS')d.open=true;e.scrollIntoView()};"
     'addEventListener("hashchange",show);addEventListener("DOMContentLoaded",show);'
 )
-"""Opens the folded cases for printing, and what holds the target of a link, in browsers that do not by themselves."""
+"""Opens the folded cases for printing, and the case that holds the target of a link, in browsers that do not do so
+themselves."""
 PICTURED = ("ledger", "steady", "transient")
 """Cases whose first figure may stand on the first screen, the best first."""
 
@@ -75,7 +76,7 @@ class View:
 
     @property
     def headline(self) -> str:
-        """What the case came to, in a line: its own words, or how many comparisons agree."""
+        """The result of the case in a line: its own words, or how many comparisons agree."""
         if self.result.headline:
             return self.result.headline
         found = [f"{self.counts[v]} {_DOES[v]}" for v in reversed(VERDICTS) if self.counts[v]]
@@ -87,7 +88,7 @@ class View:
         return counts(self.result)
 
     def evidence(self, verdict: Verdict) -> str:
-        """Anchor of what a count of verdicts stands for."""
+        """Anchor of the comparisons behind a count of verdicts."""
         if verdict is not Verdict.AGREE:
             return f"{self.anchor}-findings"
         return f"{self.anchor}-{'checks' if self.result.checks else 'criteria'}"

@@ -176,7 +176,7 @@ _SHOWN = 12
 
 
 def faults_sheet() -> Sheet:
-    """What each of the faults does that were put into the program, and what caught it: the last complete run."""
+    """Effect of each fault put into the program, and the check that caught it, by the last complete run."""
     from validation.faults.catalogue import CONTROL
     from validation.faults.record import recorded
 
