@@ -1,7 +1,7 @@
 """The ground: is a problem read as it is written, and are answers made of the right arithmetic?
 
-Solvers share what is solved and what an answer is, so neither can tell when that is wrong.  Here plain numbers stand on
-the other side: those of the file by `tomllib`, those of the paper's tables, and closed forms.
+Both solvers share the problem and the form of an answer, so neither notices a mistake in these.  The references here
+are plain numbers: the values of the file by `tomllib`, the values of the paper's tables, and closed forms.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Where a symmetry breaks, and where a torus is born: bars of one contact, whose motions are closed form.
+"""Symmetry breaking and the birth of a torus: bars of one contact, whose motions have a closed form.
 
-A bar on a pin between two equal stops, and one on two springs beside one stop, are followed over the amplitude of the
-base at two bending stiffnesses.  The rigid bar to which they tend has its bifurcations where a multiplier of
-`validation.references.bilinear_map` leaves the unit circle, and each point must be stable on one side of it alone.
+A bar on a pin between two equal stops, and a bar on two springs beside one stop, are followed over the amplitude of the
+base at two bending stiffnesses.  The limit of rigid bars has its bifurcations where a multiplier of
+`validation.references.bilinear_map` leaves the unit circle.  The branch must be stable on one side of each bifurcation
+only.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Branches and basins: grazes, folds and flips by both solvers, against closed forms, other codes and plain marches.
 
-A cantilever that comes to its stop goes over a graze, whose amplitude is closed form, and two folds.  A bar against one
-stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1; one that touches its stop once a
+A cantilever that comes to its stop passes a graze, whose amplitude has a closed form, and two folds.  A bar against one
+stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  A bar that touches its stop once a
 period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
-of a fold or a flip, and from every start of a small basin, a plain march must end as it says.  Where a symmetry breaks,
-and where a torus is born, is closed form (`branch_births`); what is on no branch must be told (`branch_ends`).
+of a fold or a flip, and from every start of a small basin, a plain march must end on the motion that the branch or the
+basin states.  `branch_births` has symmetry breaking and tori, `branch_ends` the ends of branches.
 """
 
 from __future__ import annotations

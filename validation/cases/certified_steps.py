@@ -1,10 +1,10 @@
 """Are the steps of the analytic march as long as its bound allows, and never longer?
 
-Between two switches the march takes steps within which no stop can switch: up to just below the first root of
-h + h' t + h'' t^2 / 2 + B t^3 / 6, where B bounds the third derivative.  Longer steps would pass over contacts, shorter
-ones would show in the time that a march takes only.  Here cubics are drawn at random, many of which all but touch zero
-before they rise through it, and each step is compared with the roots that numpy finds.  What makes the cubic, sums over
-modes and harmonics, and what moves them on, is compared with the exponentials of numpy.
+Between two switches the march takes steps within which no stop can switch: up to just below the first root of h + h' t
++ h'' t^2 / 2 + B t^3 / 6, where B bounds the third derivative.  Longer steps would miss contacts; shorter steps would
+show in the run time alone.  Random cubics, many of which all but touch zero before they rise through it, are compared
+step by step with numpy's roots.  The sums over modes and harmonics that make the cubic, and their propagation, are
+compared with numpy's exponentials.
 """
 
 from __future__ import annotations

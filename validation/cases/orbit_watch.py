@@ -1,10 +1,10 @@
-"""Is what the search knows of an orbit true of the motion?
+"""Are the search's statements about an orbit true of the motion?
 
-A march counts as bound for an orbit by four things: the derivative of the period map, the orbit's distances from its
-stops, what deviations do there, and a rule that compares them for all time to come.  Both solvers are searched by one
-code, so neither shows a mistake in it.  Here each of the four is derived again: the derivative, and what deviations do,
-from marches that begin a little beside the orbit; distances and rates from the motion itself; the rule from its
-statement in `lapjoint.orbits.approach`, deviation by deviation.
+Four things decide that a march is bound for an orbit: the derivative of the period map, the orbit's distances from its
+stops, the deviations there, and a rule that compares deviations and distances for all time to come.  One code searches
+for both solvers, so neither shows a mistake in it.  Each of the four is derived again here.  Marches that begin a
+little beside the orbit give the derivative and the deviations.  The motion itself gives distances and rates.  The rule
+is taken from its statement in `lapjoint.orbits.approach`, deviation by deviation.
 """
 
 from __future__ import annotations

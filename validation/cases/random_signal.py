@@ -1,8 +1,8 @@
-"""Random excitation as a signal: its spectrum, its integrals over time, and that nothing in it comes twice.
+"""Random excitation as a signal: its spectrum, its integrals over time, and the independence of its parts.
 
-Long stretches of an acceleration of the base and of two forces, all with one seed, are looked at as a laboratory would:
-by root mean squares, by the power in bands, by what lies outside of the band, and by correlations.  A Gaussian signal
-of density S that is watched for a time T has a mean square of relative standard error
+Long stretches of an acceleration of the base and of two forces, all with one seed, are analysed as in a laboratory: by
+root mean squares, by the power in bands and outside of them, and by correlations.  The mean square of a Gaussian signal
+of density S over a time T has the relative standard error
 
     sqrt(integral of S^2 df / T) / integral of S df.
 """

@@ -1,11 +1,10 @@
 """One degree of freedom between elastic stops under white noise: density and crossings against the Gibbs density.
 
-The mass is a bar on a pin that hardly bends, its spring a torsional one.  Of its tip u, with m L^3 / 3 = I,
+The mass is a bar on a pin that hardly bends, with a torsional spring.  With m L^3 / 3 = I, its tip u obeys
 
     u'' + (C / m) u' + (kt / I) u + (forces of stops) L^2 / I = -(3/2) a.
 
-Stops of no account, a millionth of a millionth as stiff as the spring, count how often u crosses their gaps, and for
-how long it is beyond.
+Further stops, 1e-12 times as stiff as the spring, count how often u crosses their gaps, and for how long it is beyond.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Recorded base motion and forces: what lies between samples, and what both solvers make of it.
+"""Recorded base motion and forces: the interpolation between samples, and its motions by both solvers.
 
-Between samples an acceleration and a force are linear, a velocity is a quadratic spline and a displacement a cubic one.
-Both solvers read the same knots, so a mistake in them would be in both.  Here the witness of the case `pinned-beam`
-reads the samples itself and adds up one ramp a knot; sines are recorded, and compared with their closed form; and the
-motion of the base is integrated again.
+Between samples an acceleration and a force are linear, a velocity is a quadratic spline and a displacement a cubic
+spline.  Both solvers read the same knots, so a mistake in the knots would be in both.  The witness of the case
+`pinned-beam` reads the samples itself and adds up one ramp a knot.  Recorded sines are compared with their closed form,
+and the motion of the base is integrated again.
 """
 
 from __future__ import annotations

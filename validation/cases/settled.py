@@ -1,8 +1,8 @@
 """Does a march from rest end on the motion that the search certifies?
 
-A search that accepts a motion too early, or one that is unstable, or takes a symmetry for granted that is not there,
-may be wrong in both solvers alike, for they share it.  So each solver is judged by its own march here: by `simulate`,
-which knows neither orbits nor Newton's method, over so many decay times that nothing of the transient is left.
+A search that accepts a motion too early, accepts an unstable motion, or assumes a symmetry that does not exist may be
+wrong in both solvers alike, for they share it.  Each solver is therefore judged by its own march: by `simulate`, which
+knows neither orbits nor Newton's method, over enough decay times that nothing of the transient is left.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Both solvers under one random excitation: the same contacts until chaos parts them, the same statistics beyond.
 
 A cantilever between two stiff stops is shaken at random.  Nearby motions part exponentially, so the error of each
-solver grows, too, until it is as large as the motion.  A twin, the motion of one solver from an initial state that is
-moved by next to nothing, shows at what rate: the mean largest Lyapunov exponent over that stretch of that excitation.
-The two solvers must part as fast.
+solver grows until it is as large as the motion.  A twin, the motion of one solver from a slightly displaced initial
+state, shows the rate: the mean largest Lyapunov exponent over that stretch of the excitation.  The two solvers must
+part at this rate.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What is read off a motion: statistics, summaries of steady states and time series, by plain sums and closed forms.
+"""Statistics, summaries of steady states and time series of a motion, by plain sums and closed forms.
 
-`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here the same motions are there as a whole,
-are sampled densely, and are summed up by numpy; intervals are those of the textbooks.  A steady state without contact
-is a sine of known amplitude; one with contacts is summed up from its own samples.  Time series of a beam on two pins
-are compared with the sum over its sines.
+`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here numpy sums up the whole motion, densely
+sampled, with the textbooks' intervals.  A steady state without contact is a sine of known amplitude; a steady state
+with contacts is summed up from its own samples.  Time series of a beam on two pins are compared with the sum over its
+sines.
 """
 
 from __future__ import annotations

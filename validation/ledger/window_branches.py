@@ -1,4 +1,4 @@
-"""The motion that Figure 4 shows, followed through the windows of the paper: what happens between points of a sweep."""
+"""The motion that Figure 4 shows, followed through the windows of the paper, between the points of a sweep."""
 
 from __future__ import annotations
 

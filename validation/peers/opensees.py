@@ -1,8 +1,8 @@
 """OpenSees as a third solver: numerical options, and the three questions that it answers.
 
 OpenSees knows neither gaps, nor contacts, nor this package: it marches the beam at a fixed step with Newmark's method,
-and contacts are read off what it recorded.  It has global state and may abort its process, so it always runs in
-another one.
+and contacts are read off its record.  It has global state and may abort its process, so it always runs in another
+process.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A density that is straight between breakpoints on paper with two logarithmic scales, by numpy alone.
 
-Its integrals are Gauss sums over the logarithm of the frequency, of which the integrand is a smooth exponential between
+Its integrals are Gauss sums over the logarithm of the frequency: the integrand is a smooth exponential between
 breakpoints.
 """
 

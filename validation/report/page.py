@@ -1,4 +1,4 @@
-"""The page for people: what of each case is shown, in which order, under which anchors."""
+"""The page for people: the contents of each case, their order, and their anchors."""
 
 from __future__ import annotations
 
