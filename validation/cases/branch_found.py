@@ -34,7 +34,7 @@ class Found:
     stop: int
     """The stop that is grazed; -1 where none is."""
     after: str
-    """What the branch does at a graze."""
+    """Continuation of the branch at a graze."""
 
 
 def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:

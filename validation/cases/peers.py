@@ -42,7 +42,7 @@ ELASTIC_FLOOR, RIGID_FLOOR = 1e-8, 1e-4
 mode of the whole mesh, and the zeros of rigid-body modes show the root of this error."""
 
 Levels = dict[str, tuple[list[Solver], float, float]]
-"""By name: three solvers from coarse to fine, the ratio of refinement, and the order."""
+"""By name of the solver: three solvers from coarse to fine, the ratio of refinement, and the order."""
 
 
 def damped_joint() -> Problem:

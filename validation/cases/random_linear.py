@@ -45,7 +45,7 @@ class Quantity:
 
 
 def quantities() -> list[Quantity]:
-    """All of them, by the closed form."""
+    """All root mean squares by the closed form."""
     L, band = BEAM.length, (LOW, HIGH, DENSITY)
     found = []
     for x, where in ((L, "the tip"), (L / 2, "mid-span")):

@@ -65,8 +65,8 @@ def bar(band: tuple[float, float]) -> Problem:
 
 
 def bias(band: tuple[float, float]) -> tuple[float, float]:
-    """What a band (Hz) leaves out of the root mean squares of u and u', relative to white noise, measured on the
-    oscillator without stops."""
+    """Error of the root mean squares of u and u' in a band (Hz), relative to white noise, for the oscillator without
+    stops."""
     edges = 2 * math.pi * np.concatenate([np.linspace(band[0], 10.0, 60), np.geomspace(10.0, band[1], 30)[1:]])
     omega, weight = gauss_panels(edges, 40)
     it = OSCILLATOR

@@ -168,7 +168,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Witnessed:
-    """What the witness says of a bar."""
+    """Motion and steady state of a bar by the witness."""
 
     bar: RigidBar
     motion: BarMotion
@@ -176,7 +176,7 @@ class Witnessed:
     periodic: BarMotion
     """The steady state, over its own period."""
     multiple: int
-    """Excitation periods of that."""
+    """Excitation periods of the steady state."""
 
 
 def witnessed(text: str) -> Witnessed:

@@ -37,8 +37,8 @@ GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4
 LOW, HIGH, DENSITY = 3.0, 60.0, 4.0
 """Band, Hz, and density, (m/s2)^2/Hz, of the base's acceleration; the lowest mode has 5.6 Hz."""
 SEEDS = (1, 2, 3, 5)
-"""Of the excitations under which motions are followed until they part.  Statistics are of motions under the first.
-Under that of seed 4 the 52nd contact is a graze, which one solver has and the other has not."""
+"""Seeds of the excitations under which motions are followed until they part; statistics are of motions under the first.
+Under seed 4 the 52nd contact is a graze, which only one solver finds."""
 FOLLOWED = 2.0  # Length of the motions that are followed, s: they have parted after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
 """Solvers for the motions until they part: both state their errors."""

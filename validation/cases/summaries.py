@@ -126,7 +126,7 @@ class Plain:
 
     motion: History
     start: float
-    """What comes before it is left out, s."""
+    """Time before which the motion is left out, s."""
 
     @cached_property
     def t(self) -> FloatArray:
@@ -197,7 +197,7 @@ def of_places(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Itera
 
 
 def sampled(batches: FloatArray, off: float) -> FloatArray:
-    """Student's interval, wider by what sparse samples add to the standard error of the mean."""
+    """Student's interval, widened by the error of the mean of sparse samples."""
     low, high = student(batches)
     wider = math.sqrt(1 + batches.size * off**2 / float(np.var(batches, ddof=1)))
     return np.asarray((low + high) / 2 + wider * (high - low) / 2 * np.array([-1.0, 1.0]))
@@ -247,7 +247,7 @@ def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterat
 
 
 def close(found: xr.Dataset, name: str, unit: str, value: float, u: float, where: str, **at: float) -> Check:
-    """A value of the dataset against that of the plain sums."""
+    """A value of the dataset against the value of the plain sums."""
     a = Estimate(float(chosen(found[name], at)), 0.0, "statistics, in stretches")
     return Check(f"{name.replace('_', ' ')} {where}", unit, a, Estimate(value, u, "plain sums", Kind.ANALYTICAL))
 

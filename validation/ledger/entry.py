@@ -20,11 +20,11 @@ TIP = 2.5  # Position of the tip of the paper's beam, m from the root
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper says, and the ruling that is expected."""
+    """A statement of the paper, and the ruling that is expected."""
 
     key: str
     place: str
-    """Where in the paper."""
+    """Place in the paper."""
     claim: str
     printed: str
     expected: Ruling
@@ -52,18 +52,18 @@ def claims() -> dict[str, Claim]:
 
 @dataclass(frozen=True)
 class Entry:
-    """A claim, and what was found."""
+    """A claim, its computed numbers, and the ruling."""
 
     key: str
     numbers: Numbers
-    """What the ruling follows from."""
+    """Numbers from which the ruling follows."""
     why: str
     analytic: str = ""
-    """Recomputed by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
+    """Value by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
     fe: str = ""
-    """The same by finite elements."""
+    """Value by finite elements, with its uncertainty."""
     published: str = field(default="")
-    """By the paper's own scheme with its own numbers of modes, where that bears on the claim."""
+    """Value by the paper's own scheme with its own numbers of modes, where it bears on the claim."""
 
     @property
     def claim(self) -> Claim:

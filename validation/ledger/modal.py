@@ -22,7 +22,7 @@ QUOTED = (1, 2, 5)  # Modes of the states with two springs that Section 3 cites:
 
 
 def modal_entries() -> list[Entry]:
-    """All of them."""
+    """All claims about frequencies and mode shapes."""
     return [*table_4(), *quoted_frequencies(), *shape_ratios()]
 
 

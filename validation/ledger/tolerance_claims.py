@@ -14,7 +14,7 @@ KINDS = ("free", "contact")
 
 
 def tolerance_entries() -> list[Entry]:
-    """Both tolerances against what more modes change."""
+    """Both tolerances against the change by more modes."""
     changes: dict[str, list[float]] = {kind: [] for kind in KINDS}
     for omega in FREQUENCIES:
         few, many = (

@@ -23,7 +23,7 @@ HARMLESS = "grazing"
 
 @dataclass(frozen=True)
 class Window:
-    """What the branches of one solver do in a window."""
+    """Bifurcations and motions of one solver's branches in a window."""
 
     changes: int
     """Bifurcations in it, grazes left out, and motions in and next to it that are unstable or of another period."""
@@ -45,7 +45,7 @@ def window(solver: str, first: float, last: float) -> Window:
 
 
 def in_window(found: xr.Dataset, first: float, last: float) -> Window:
-    """What all branches over the excitation frequency do between `first` and `last`, rad/s."""
+    """Bifurcations and motions of all branches over the excitation frequency between `first` and `last`, rad/s."""
     omega, number = found.angular_frequency.values, found.branch.values
     changes = broken = 0
     through = False

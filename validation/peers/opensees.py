@@ -154,7 +154,7 @@ class Solver:
 
 
 def check_problem(problem: Problem) -> None:
-    """Refuse what OpenSees cannot express, or starts wrongly: it begins with zero acceleration."""
+    """Refuse a problem that OpenSees cannot express, or that it starts wrongly, as it begins with zero acceleration."""
     if isinstance(problem.damping, ModalDamping):
         raise InputError('damping.kind = "modal": OpenSees has it for one state only; allowed are "viscous" and "none"')
     if problem.point_loads:
@@ -172,7 +172,7 @@ def check_problem(problem: Problem) -> None:
 
 
 def _mirrored(history: History, repeats: float) -> bool:
-    """Whether half of the motion mirrors the other half, to ten times what it repeats to."""
+    """Whether half of the motion mirrors the other half, to ten times the tolerance of repetition."""
     x, half = np.linspace(0.0, history.problem.beam.length, 9), (history.end - history.start) / 2
     t = np.linspace(history.start, history.start + half, 50)
     one, other = history.displacement(x, t), history.displacement(x, np.minimum(t + half, history.end))

@@ -103,7 +103,7 @@ class OneContact:
     end: Array
     """(u, u') at its end, shape ``(2 n,)``."""
     multipliers: tuple[complex, ...]
-    """Over its pieces, by falling modulus: over half a period for one that mirrors itself."""
+    """Multipliers over the pieces, by falling modulus: over half a period for a mirrored motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,17 +111,17 @@ class BilinearMap:
     """The system under a load of one frequency, and its motions with one contact in `periods` of it."""
 
     free: Piece
-    """Without contact."""
+    """The system without contact."""
     pressed: Piece
-    """In contact."""
+    """The system in contact."""
     lever: float | Array
     """N: displacement at the stop by each coordinate, shape ``(n,)``."""
     gap: float
-    """m."""
+    """Gap of the stop, m."""
     load: float | Array
     """G, kg, shape ``(n,)``: the force's amplitude is G Y omega^2."""
     omega: float
-    """rad/s."""
+    """Frequency of the load, rad/s."""
     periods: int = 1
     mirrored: bool = False
     """Whether the motions mirror themselves between two equal stops, in one period."""
@@ -270,7 +270,7 @@ class BilinearMap:
         return found
 
     def flips(self) -> list[OneContact]:
-        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks."""
+        """The motions with a multiplier of -1, where the symmetry of mirrored motions breaks."""
         return self._roots(lambda motion: float(np.prod(1 + np.array(motion.multipliers)).real))
 
     def neimark_sackers(self) -> list[OneContact]:

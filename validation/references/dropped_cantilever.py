@@ -48,11 +48,11 @@ class Family:
     shapes: Array
     """Mass-normalised, at the points of the quadrature, kg^-1/2, shape ``(n, points)``."""
     tip: Array
-    """The same at the tip, shape ``(n,)``."""
+    """Mass-normalised shapes at the tip, kg^-1/2, shape (n,)."""
     static: Array
     """Static deflection at the points, m."""
     static_tip: float
-    """At the tip, m."""
+    """Static deflection at the tip, m."""
 
 
 def quadrature(modes: int) -> tuple[Array, Array]:
@@ -106,11 +106,11 @@ class Stay:
     state: Family
     closed: bool
     start: float
-    """s."""
+    """Start of the stay, s."""
     a: Array
     """Modal coordinates at its start, about the static deflection, kg^1/2 m."""
     b: Array
-    """Their rates over omega."""
+    """Modal velocities at its start over omega, kg^1/2 m."""
 
     def q(self, s: float) -> Array:
         """Modal coordinates `s` seconds after the start of the stay, kg^1/2 m, shape (n,)."""

@@ -37,7 +37,7 @@ class Gibbs:
     top: tuple[float, float]
     """Gap, m, and stiffness per unit mass, 1/s2, of the stop above."""
     bottom: tuple[float, float]
-    """The same of the stop below."""
+    """Gap, m, and stiffness per unit mass, 1/s2, of the stop below."""
 
     @property
     def speed(self) -> float:
@@ -64,7 +64,7 @@ class Gibbs:
         return float((w * p) @ u**power / (w @ p))
 
     def probability(self, low: float, high: float) -> float:
-        """The part of the time that the displacement is between two levels."""
+        """The share of time in which the displacement is between two levels, m."""
         u, w = self._grid()
         p = w * np.exp(-self.potential(u) / self.speed**2)
         whole = float(p.sum())
@@ -77,7 +77,7 @@ class Gibbs:
         return float(weights @ np.exp(-self.potential(points) / self.speed**2)) / whole
 
     def upcrossings(self, level: float) -> float:
-        """How often the displacement crosses a level upwards."""
+        """Upward crossings of a level, m, per second."""
         u, w = self._grid()
         whole = float(w @ np.exp(-self.potential(u) / self.speed**2))
         p = float(np.exp(-self.potential(np.array([level]))[0] / self.speed**2)) / whole

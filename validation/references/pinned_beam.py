@@ -39,7 +39,7 @@ _PANELS = 400  # Panels of the quadrature of the initial shapes: less than two h
 
 @dataclass(frozen=True, eq=False)
 class PinnedBeam:
-    """The beam of a problem file; what holds it is taken for pins at both ends."""
+    """The beam of a problem file; its supports are taken as pins at both ends."""
 
     tables: dict[str, Any]
     """The file, as `tomllib` reads it."""
@@ -111,7 +111,8 @@ class PinnedBeam:
         return found
 
     def _ramped(self, t: float, dt: int) -> Iterator[tuple[float | None, float, Array]]:
-        """Of each record: its place, the force at t or its t-derivative, and what moves besides the static answer."""
+        """Position of each record, its force at t or the t-derivative, and the modal coordinates besides the static
+        answer."""
         for place, knots, force in self._records:
             slope, passed = np.diff(force) / np.diff(knots), knots[:-1] <= t
             turns, begun = np.diff(slope, prepend=0.0)[passed], knots[:-1][passed]

@@ -46,9 +46,9 @@ class BarContact:
 
     stop: int
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
     """Time integral of the stop's spring force magnitude, N s; positive at the top, negative at the bottom."""
     peak: float
@@ -80,12 +80,12 @@ class RigidBar:
 
     @cached_property
     def length(self) -> float:
-        """m."""
+        """Length, m."""
         return float(self.tables["beam"]["length"])
 
     @cached_property
     def mass_per_length(self) -> float:
-        """kg/m."""
+        """Mass per length, kg/m."""
         return float(self.tables["beam"]["mass_per_length"])
 
     @cached_property
@@ -121,7 +121,7 @@ class RigidBar:
 
     @cached_property
     def uniform(self) -> Array:
-        """int N dx, m, shape ``(n,)``: what a force per unit length is multiplied by."""
+        """int N dx, m, shape (n,), by which a force per unit length is multiplied."""
         return self.length / 2 * np.ones(self.M.shape[0])
 
     @cached_property
@@ -146,7 +146,8 @@ class RigidBar:
 
     @cached_property
     def period(self) -> float:
-        """Excitation period, s: that of the lowest frequency in the file, of which all others are whole multiples."""
+        """Excitation period, s, of the lowest frequency in the file, of which all other frequencies are whole
+        multiples."""
         parts = [self.tables.get("base_motion", {}), *self.tables.get("point_loads", ())]
         return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
@@ -345,7 +346,7 @@ class BarMotion:
 
     @cached_property
     def contacts(self) -> tuple[BarContact, ...]:
-        """All contacts, by start; those that the ends of the motion cut are cut."""
+        """All contacts, by start; the ends of the motion cut the contacts that last beyond them."""
         found = [c for k in range(len(self.bar.stops)) for c in self._contacts_of(k)]
         return tuple(sorted(found, key=lambda contact: contact.start))
 

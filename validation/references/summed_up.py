@@ -28,15 +28,15 @@ class Touch:
     stop: int
     """Index of the stop."""
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
-    """N s."""
+    """Impulse, N s."""
     peak: float
     """Largest force, N."""
     speed: float
-    """Towards the stop when it begins, m/s."""
+    """Speed towards the stop at the start of the contact, m/s."""
 
 
 def scatter(values: Array, step: float, spacing: float) -> tuple[float, float]:

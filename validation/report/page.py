@@ -38,12 +38,12 @@ _DOES = {Verdict.AGREE: "agree", Verdict.EXPLAINED: "differ for a named reason",
 
 @dataclass(frozen=True)
 class Finding:
-    """What differs, and why: items that share an explanation."""
+    """Items that do not agree, and share an explanation."""
 
     verdict: Verdict
     explanation: str
     items: tuple[tuple[str, Check | Criterion], ...]
-    """Each with the anchor of its row."""
+    """Items, each with the anchor of its row."""
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,12 @@ class View:
 
     @cached_property
     def checks(self) -> list[tuple[str, Check]]:
-        """Checks with their anchors, what needs attention first."""
+        """Checks with their anchors, disagreements first."""
         return [(f"{self.anchor}-check-{i + 1}", c) for i, c in _worst_first(self.result.checks)]
 
     @cached_property
     def criteria(self) -> list[tuple[str, Criterion]]:
-        """Criteria with their anchors, what needs attention first."""
+        """Criteria with their anchors, disagreements first."""
         return [(f"{self.anchor}-criterion-{i + 1}", c) for i, c in _worst_first(self.result.criteria)]
 
     @cached_property
@@ -95,7 +95,7 @@ class View:
 
     @cached_property
     def tightest(self) -> tuple[str, Check] | None:
-        """The check closest to, or furthest beyond, what is allowed."""
+        """The check with the largest difference over the allowed one."""
         found = tightest(self.result)
         return next(((anchor, check) for anchor, check in self.checks if check is found), None)
 
@@ -192,7 +192,7 @@ def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
 
 
 def _answer(shown: Sequence[View]) -> Sheet | None:
-    """The numbers that a user's own problem was asked for: those of the steady state, or else of the first contacts."""
+    """The main numbers of a user's own problem: the steady state, or else the first contacts."""
     found = {view.result.name: sheet for view in shown for sheet in view.tables[:1] if sheet.rows}
     best = next((found[name] for name in PICTURED if name in found), None)
     return None if best is None else replace(best, title=f"{best.title}: both solvers")

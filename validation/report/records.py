@@ -14,7 +14,7 @@ from validation.report.table_files import Cell, Sheet
 from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
 
 VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
-"""What needs attention comes first."""
+"""Verdicts in the order of the report, disagreements first."""
 
 
 def case_record(result: CaseResult) -> dict[str, Any]:
