@@ -1,13 +1,14 @@
 """One degree of freedom with elastic stops under white noise: its stationary density in closed form, by numpy alone.
 
-    u'' + gamma u' + U'(u) = a(t),    U = omega^2 u^2 / 2 + sum over stops of k (|u| - gap)_+^2 / 2,
+    u'' + gamma u' + U'(u) = a(t),    U = (omega^2 u^2 + k_t (u - g_t)_+^2 + k_b (-u - g_b)_+^2) / 2,
 
 with white a of two-sided density S0 per rad/s, has the stationary density
 
-    p(u, u') = N exp(-(gamma / (pi S0)) (u'^2 / 2 + U)),
+    p(u, u') = N exp(-(gamma / (pi S0)) (u'^2 / 2 + U)).
 
-which solves its Fokker-Planck equation whatever U is, as insertion shows.  So u' is Gaussian and independent of u,
-and u crosses a level upwards p(u) sigma / sqrt(2 pi) times a second, sigma^2 = pi S0 / gamma.
+This density satisfies the stationary Fokker-Planck equation for any U; substitution shows it.  So u' is Gaussian and
+independent of u, and u crosses a level upwards at the rate p(u) sigma / sqrt(2 pi) per second, with the density p(u) of
+the displacement and sigma^2 = pi S0 / gamma.
 """
 
 from __future__ import annotations
@@ -45,13 +46,14 @@ class Gibbs:
         return math.sqrt(math.pi * self.density / self.gamma)
 
     def potential(self, u: Array) -> Array:
-        """U per unit mass, m2/s2, at displacements `u`, m, shape (n,) both."""
+        """U per unit mass, m2/s2, of displacements in m, shape (n,)."""
         beyond = self.top[1] * np.maximum(u - self.top[0], 0.0) ** 2
         beyond = beyond + self.bottom[1] * np.maximum(-u - self.bottom[0], 0.0) ** 2
         return np.asarray((self.omega**2 * u**2 + beyond) / 2)
 
     def _grid(self) -> tuple[Array, Array]:
-        """Gauss points and weights, m, over all that the motion reaches; intervals end at the stops."""
+        """Gauss points and weights, m, over `_REACH` standard deviations to either side; stops, where U'' jumps, end an
+        interval."""
         reach = _REACH * self.speed / self.omega
         inner = np.clip([-self.bottom[0], self.top[0]], -reach, reach)
         edges = np.unique(np.concatenate([np.linspace(-reach, reach, 2001), inner]))
@@ -77,7 +79,7 @@ class Gibbs:
         return float(weights @ np.exp(-self.potential(points) / self.speed**2)) / whole
 
     def upcrossings(self, level: float) -> float:
-        """Upward crossings of a level, m, per second."""
+        """Rate at which the displacement crosses a level, m, upwards, 1/s."""
         u, w = self._grid()
         whole = float(w @ np.exp(-self.potential(u) / self.speed**2))
         p = float(np.exp(-self.potential(np.array([level]))[0] / self.speed**2)) / whole
