@@ -49,4 +49,7 @@ class Fault:
                 f"fault {self.name}: `{self.old}` stands {len(found)} times in `{name}` of {modules}, and must once"
             )
         ((module, source, match),) = found
-        return Changed(self.name, module, match.replaced(source, self.new))
+        try:
+            return Changed(self.name, module, match.replaced(source, self.new))
+        except ValueError as error:
+            raise ValueError(f"fault {self.name}: {error}") from None
