@@ -37,14 +37,14 @@ class CaseResult:
     name: str
     title: str
     question: str
-    """What the case asks, and how its numbers were obtained: a paragraph."""
+    """The question of the case, and the origin of its numbers: a paragraph."""
     checks: tuple[Check, ...] = ()
     criteria: tuple[Criterion, ...] = ()
     tables: tuple[Table, ...] = ()
     drawings: tuple[Drawing, ...] = ()
     notes: tuple[str, ...] = ()
     headline: str = ""
-    """What the case found, in a line, where its verdict alone does not say it."""
+    """The finding of the case in a line, where the verdict alone does not state it."""
     seconds: float = field(default=0.0)
 
     @property
@@ -54,7 +54,7 @@ class CaseResult:
 
     @property
     def verdict(self) -> Verdict:
-        """The worst of its checks; disagreement before explanation before agreement."""
+        """The worst verdict of checks and criteria: disagreement, then explanation, then agreement."""
         found = {item.verdict for item in self.items}
         for verdict in (Verdict.DISAGREE, Verdict.EXPLAINED):
             if verdict in found:

@@ -54,9 +54,9 @@ _MODULES = {
     "mode-map": "mode_map",
     "sensitivity": "sensitivity",
 }
-PEERS = "peers"  # the case that other solvers make
+PEERS = "peers"  # Name of the case that other solvers make
 _COLOURS = {Verdict.AGREE: "green", Verdict.DISAGREE: "red", Verdict.EXPLAINED: "yellow"}
-_MOST_LINES = 12  # of what does not agree, on the console
+_MOST_LINES = 12  # Most lines on the console about comparisons that do not agree
 
 
 def case_names() -> tuple[str, ...]:
@@ -254,5 +254,5 @@ def _table(results: list[CaseResult], console: Console) -> None:
     console.print(table)
 
 
-_NAME_SHOWN = 24  # characters
+_NAME_SHOWN = 24  # Most characters of a case's name in the table
 _COUNTED = (Verdict.AGREE, Verdict.EXPLAINED, Verdict.DISAGREE)

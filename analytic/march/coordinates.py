@@ -20,7 +20,7 @@ class Coordinates:
     v: FloatArray
     """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
     held: tuple[int, ...] = ()
-    """Stops that stay as they are for a while; see `analytic.march.touching`."""
+    """Stops that may not switch for one period of the fastest mode; see `analytic.march.touching`."""
 
     @property
     def y(self) -> FloatArray:
@@ -28,5 +28,5 @@ class Coordinates:
         return np.concatenate([self.q, self.v])
 
     def moved(self, y: FloatArray) -> Coordinates:
-        """A motion in this contact state with the coordinates (q, v) of `y`, shape ``(2 N,)``, which are copied."""
+        """Coordinates in this contact state with a copy of `y` = (q, v), shape ``(2 N,)``; no stop is held."""
         return Coordinates(self.state, y[: self.q.size].copy(), y[self.q.size :].copy())

@@ -4,26 +4,25 @@ Between switches, and between the knots of sampled loads, every stop sees a gap 
 
     h(s) = Re sum_t c_t exp(lambda_t s) + a0 + a1 s + a2 s^2,    h <= 0,
 
-oriented so that h rising through 0 is the next switch (an open stop closes, a closed stop opens).  From h, h', h''
-at s and the bound |h'''| <= B = sum |c_t exp(lambda_t s)| |lambda_t|^3, which holds from s on because no term
-grows, the cubic
+oriented so that h rising through 0 is the next switch (an open stop closes, a closed stop opens).  No term grows, so
+|h'''| <= B = sum |c_t exp(lambda_t s)| |lambda_t|^3 holds from s on.  With h, h', h'' at s, the cubic
 
     h + h' tau + h'' tau^2 / 2 + B tau^3 / 6
 
-lies above h(s + tau).  Up to the first root of the cubic no switch is possible: that is the step.  Close to a
-switch the root converges to it cubically from below; elsewhere the steps are as long as the bound allows.  No
+is an upper bound of h(s + tau).  Up to the first root of the cubic no switch is possible: the root is the step.  Near a
+switch the steps converge to it cubically, from earlier times; elsewhere the steps are as long as the bound allows.  No
 impact, rebound or graze can be stepped over.
 
-Two shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they
-cannot move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  And the
-terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
-switch, and the end of the march, take a power series or exponentials.
+Two shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they cannot
+move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  And the terms
+are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a switch,
+and the end of the march, take a power series or exponentials.
 
 At a knot of a load the gap functions are continuous, and another closed form begins, see `analytic.march.ramps`: the
 search goes on there as within a state.
 
-With -B for B the cubic lies below h(s + tau).  Where this lower cubic is above 0 at most 1e-13 of the unit of time
-after the step, the switch lies between, and the search ends.
+With -B in place of B the cubic is a lower bound of h(s + tau).  If the lower bound is positive within 1e-13 of the unit
+of time of the tables after the step, the switch is bracketed, and the search ends.
 
 Arguments are named as in `analytic.march.gap_function`.
 """
@@ -66,13 +65,13 @@ from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _CLOSE = 1e-6
-"""Length of a step, over the unit of time, below which all modes are summed at the next look.  So close to a switch,
-the bound on the high modes would make the steps short, and not the motion."""
+"""Length of a step, over the unit of time, below which all modes are summed at the next look: so close to a switch, the
+bound on the modes left out, not the motion, would limit the step."""
 _MAX_STEPS = 10_000_000  # most steps in one state, a minute of marching; a motion that goes on takes some hundred
 _FIRST_MODES = 5  # modes summed first, then twice as many, and so on: five hold all but some thousandth of a gap
 _LEAST_OF_TERMS = 1e-13
-"""Threshold that a stop which has just switched, and does not leave 0 at once, has to pass before it can switch again,
-relative to its gap plus the sum of all terms' sizes: 500 times the rounding of that sum."""
+"""Value, relative to the gap plus the sum of all terms' sizes, that a stop which has just switched, and does not leave
+0 at once, must exceed before it switches again: 500 times the rounding of that sum."""
 _TINY = 1e-300  # m, m/s3: keeps divisions by a bound of 0 finite
 
 
@@ -88,14 +87,16 @@ def follow(
 ) -> None:
     """Follow the present state up to its first switch, or to `end`, s, at the latest; along ramps to a knot.
 
-    A closed form holds for the whole state, or, along ramps, from knot to knot; along ramps the state is left after
-    `LOGGED` knots at the latest.  A state that switches lasts `shortest` seconds at least, unless `end` is before.
+    Ramps are loads that are linear between samples, their knots.  Along ramps a closed form holds from knot to knot,
+    and the state is left after `LOGGED` knots at the latest.  A state that switches lasts `shortest` seconds at least,
+    unless `end` is before.
 
-    `motion` goes on; its pending stop is the one that switches, NO_SWITCH if none, or NO_PROGRESS if the steps ran out.
-    `work` has the phases at the start in `theta`, and in `fresh` and `held` the stops that switched a moment ago and
-    those that may not switch at all: a fresh stop has to leave 0 at once, or pass a threshold of rounding size, before
-    it can switch again.  `work.area` takes the time integral of the penetration of each closed stop, and, if `depth`,
-    `work.deepest` its deepest penetration.  `ramps.interval`, `ramps.goes_on` and `ramps.shift` are changed.
+    `motion` is advanced in place; its pending entry is the stop that switches, NO_SWITCH if none, or NO_PROGRESS if the
+    steps ran out.  `work.theta` has the phases at the start, `work.fresh` the stops that have just switched, and
+    `work.held` the stops that may not switch in this state.  A fresh stop has to leave 0 at once, or pass a threshold
+    of rounding size, before it switches again.  `work.area` takes the time integral of the penetration of each closed
+    stop, and, if `depth`, `work.deepest` its deepest penetration.  `ramps.interval`, `ramps.goes_on` and `ramps.shift`
+    are changed.
     """
     slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
     theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest

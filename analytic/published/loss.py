@@ -1,13 +1,13 @@
-r"""What each switch of the published scheme leaves behind: the measure of its truncation.
+"""How much of a motion each switch of the published scheme fails to carry over, which measures its truncation.
 
-At a switch to a state with the modes Phi_i the displacement z splits into sum Phi_i (Phi_i, z), which moves on, and R,
-which stands still; of the velocity the part outside the span is gone for good.  In the inner product (f, g) =
-integral of m f g and in the energy of state B,
+Let A be the contact state before a switch, and B the state after it, with the modes Phi_i.  The displacement z splits
+into sum Phi_i (Phi_i, z), which moves on, and R, which stands still.  The part of the velocity outside the span of the
+modes is lost.  In the inner product (f, g) = integral of m f g and in the energy of state B,
 
     a(f, g) = integral of EI f'' g'' + support springs + sum over the closed stops of B of k f(x_s) g(x_s),
 
-the two parts are orthogonal, a(Phi_i, R) = omega_i^2 (Phi_i, R) = 0, so energies add up.  All products are closed
-form: for a mode Phi_j of state A, a_A(Phi_j, g) = omega_j^2 (Phi_j, g).
+both parts of the displacement are orthogonal, a(Phi_i, R) = omega_i^2 (Phi_i, R) = 0, so their elastic energies add up.
+All inner products have closed forms: for a mode Phi_j of state A, a_A(Phi_j, g) = omega_j^2 (Phi_j, g).
 """
 
 from __future__ import annotations
@@ -26,26 +26,27 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class FrozenPart:
-    """One entry per switch, each of shape ``(switches,)``."""
+    """The losses at each switch, each of shape ``(switches,)``."""
 
     time: FloatArray
-    """s."""
+    """Time of the switch, s."""
     displacement: FloatArray
-    """Norm of the frozen shape R after the switch, over that of the whole displacement."""
+    """Norm of the frozen shape R after the switch, divided by the norm of the whole displacement."""
     displacement_added: FloatArray
-    """Norm of the change of R by this switch, over that of the whole displacement."""
+    """Norm of the change of R at this switch, divided by the norm of the whole displacement."""
     energy: FloatArray
-    """Energy a(R, R) / 2 of the frozen shape, over that of the whole displacement."""
+    """Elastic energy a(R, R) / 2 of the frozen shape, divided by the elastic energy of the whole displacement."""
     kinetic: FloatArray
-    """Kinetic energy outside the span of the next modes, lost, over that before the switch."""
+    """Kinetic energy that the next modes do not span, lost at the switch, divided by the kinetic energy before."""
     kinetic_lost: FloatArray
     """Kinetic energy lost since the start, J."""
 
 
 def frozen_part(history: History) -> FrozenPart:
-    """The frozen shape's part of displacement and energy, switch by switch, in a motion by `analytic.PublishedScheme`.
+    """The fractions of displacement and energy that the frozen shape holds, for each switch of a motion by
+    `PublishedScheme`.
 
-    `TypeError` is raised if the history is another solver's.
+    `TypeError` is raised if another solver made the history.
     """
     if not isinstance(history.field, PublishedField):
         raise TypeError(f"frozen_part takes a history of analytic.PublishedScheme, not of {history.solver}")

@@ -21,7 +21,8 @@ class PublishedMarch(March):
     """A motion by the scheme as published."""
 
     rest: FloatArray
-    """Coefficients of the frozen shape R over the modes of all states, kg^1/2 m, by segment, shape ``(M, S, N)``."""
+    """Coefficients of the frozen shape R, the displacement that the modes of a state do not carry, kg^1/2 m, shape
+    ``(M, S, N)``: for each of M segments, over the N modes of each of S states."""
 
 
 def march_published(
@@ -32,7 +33,7 @@ def march_published(
     shortest: float,
     progress: Progress | None = None,
 ) -> PublishedMarch:
-    """March from the time 0 to `end`, s, with every segment logged; `motion` is moved along.
+    """March from the time 0 to `end`, s, with every segment logged; `motion` is advanced in place.
 
     No state lasts less than `shortest`, s.  `progress` is called with (done, total), s.  `SolverError` is raised where
     more than `MOST_SWITCHES` switches occur, or the march makes no progress.
@@ -53,14 +54,15 @@ def march_published(
 
 
 def restarted(motion: FrozenMotion) -> None:
-    """Count time, penetrations and switches of a motion from 0 again, in place."""
+    """Reset time, integrals of penetration and counts of switches of a motion to 0, in place."""
     motion.moving.time[:], motion.moving.last_switch[:], motion.moving.total[:] = 0.0, 0.0, 0.0
     motion.moving.counts[1:] = 0
     motion.moving.counts[PENDING] = NO_SWITCH
 
 
 def _rest_of_segments(log: Log, first: FloatArray, shape: tuple[int, int]) -> FloatArray:
-    """R of each segment, by adding up what each switch adds to `first`, shape ``(M, S, N)``; `shape` is ``(S, N)``."""
+    """R of each segment, shape ``(M, S, N)``: `first` plus the sum of the changes at all earlier switches; `shape` is
+    ``(S, N)``."""
     change = np.zeros((log.slot.size, *shape))
     change[0, : first.shape[0]] = first
     later = np.arange(1, log.slot.size)

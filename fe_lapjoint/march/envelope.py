@@ -1,9 +1,9 @@
-"""Bounds on how far a motion strays from its tangent and from its chord, term by term.
+"""Bounds on how far a motion leaves its tangent at one time, and its chord between two times, summed over its terms.
 
-A place's motion is a sum of terms f that die away: exponentials, of which a fast one may be faint.  Over a time w, f
-strays from its tangent by at most w^2 max|f''| / 2, and also by 2 w max|f'|; from its chord by w^2 max|f''| / 8, and by
-2 max|f|.  The smaller bound counts.  A mode of a million rad/s that rounding alone excites, or that has died away, does
-not shorten the steps of a search; a mode that an impact has excited does.
+The motion of a place is a sum of decaying exponentials f; a fast term may have a tiny amplitude.  Over a time w, f
+leaves its tangent by at most the smaller of w^2 max|f''| / 2 and 2 w max|f'|, and its chord by at most the smaller of
+w^2 max|f''| / 8 and 2 max|f|.  A mode of a million rad/s that rounding alone excites, or that has died away, does not
+shorten the steps of a search, because its bound is tiny; a mode that an impact has excited does.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Envelope:
-    """Bounds on ``m`` terms at ``p`` places from a time t on, each times exp(-fading (t - start)).
+    """Bounds on ``m`` terms at ``p`` places: from a time t on, a term stays below its bound times exp(-fading (t -
+    start)).
 
-    A term is the motion of a mode, of a load's answer or of a rigid body.  A share is the factor of a term in the
-    motion of a place.
+    A term is the motion of a mode or of a rigid body, or the response to a load.  A share is the factor of a term in
+    the motion of a place.
     """
 
     start: float
@@ -31,22 +32,27 @@ class Envelope:
     fading: FloatArray
     """Rate at which each bound falls, 1/s, shape ``(m,)``."""
     shares: FloatArray
-    """Moduli of the shares, shape ``(p, m)``; with the bounds below they give m, m/s and m/s2."""
+    """Absolute values of the shares, shape ``(p, m)``; a share times `value`, `slope`, `curvature` is in m, m/s,
+    m/s2."""
     value: FloatArray
-    r"""Bound on \|f\| over its share, shape ``(m,)``; infinite for a term that grows."""
+    """Bound on |f|, divided by the share of the term, shape ``(m,)``; infinite for a term that grows."""
     slope: FloatArray
-    r"""Bound on \|f'\| over its share, shape ``(m,)``; infinite for a term that grows."""
+    """Bound on |f'|, divided by the share of the term, shape ``(m,)``; infinite for a term that grows."""
     curvature: FloatArray
-    r"""Bound on \|f''\| over its share, shape ``(m,)``."""
+    """Bound on |f''|, divided by the share of the term, shape ``(m,)``."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far each place may rise above the higher end of intervals from `t`, s, ``(i,)``: m, shape ``(p, i)``."""
+        """How far each place may exceed the larger of its values at both ends of an interval, m, shape ``(p, i)``.
+
+        Interval i lasts `width` seconds from `t[i]`, s.
+        """
         return np.asarray(_from_chord(self.shares, self.fading, self.value, self.curvature, t - self.start, width))
 
     def from_tangent(self, place: int, t: float, width: float) -> tuple[float, float]:
-        """How far a place, m, and its rate, m/s, may stray within `width` seconds from their values at time `t`.
+        """How far a place may leave its tangent at time `t`, m, and how far its rate may change, m/s, within `width`
+        seconds.
 
-        A part s of that time accounts for at most the part s / width of the displacement.
+        After s < width seconds the place has left its tangent by at most s / width times that displacement.
         """
         since = t - self.start
         stray, turn = from_tangent(self.shares[place], self.fading, self.slope, self.curvature, since, width)

@@ -31,7 +31,17 @@ def run_job(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run a job as `solve_job` does, unless `out` holds its finished dataset already."""
+    """Run a job, and replace what is in `out`.
+
+    If there is a journal of the job beside `out`, the job resumes from it; with `force`, a journal of another job is
+    thrown away.  `workers` is a number of processes, -1 for all processors, or a function like `map`.  `scheduler` is
+    the address of a dask scheduler, whose workers are used instead.  `progress` is called with the number of cells done
+    and the number of all.
+
+    InputError is raised if the job is not valid, the journal belongs to another job, or another process has it;
+    OutputError, if the disk is full; SolverError, if the workers are lost; Interrupted, after Ctrl-C.  The messages of
+    OutputError, SolverError and Interrupted say what is kept.
+    """
     found = None if out is None else stored(job.spec, out, force=force)
     if found is not None:
         return found
@@ -155,10 +165,11 @@ def send(
     deliver: Deliver,
     progress: Progress | None = None,
 ) -> None:
-    """Send batches to the workers, which are processes, standing processes, a function like `map` or a scheduler's.
+    """Send batches to the workers: processes, standing processes, a function like `map`, or the workers of a dask
+    scheduler.
 
-    `deliver` takes each `Solved`, in any sequence, and may give more batches.  `progress` is called with how much of a
-    cell is done and the whole, where this process solves the cells.
+    `deliver` takes each `Solved`, in any sequence, and may give more batches.  If this process solves the cells,
+    `progress` is called with the part of a cell that is done and the whole.
     """
     if not todo:
         return

@@ -20,7 +20,8 @@ from pathlib import Path
 from lapjoint.errors import OutputError
 
 _LONGEST_STEM = 40
-"""Most characters of the target's name in the name of its temporary file; names may have 255 bytes in all."""
+"""Most characters of the target's name in the name of its temporary file: with up to four bytes a character, and the
+random part, the name stays below the limit of 255 bytes."""
 _NEW_FILE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 """Flags that open a file only if nothing has its name, not even a link."""
 
@@ -37,11 +38,11 @@ def write_file(path: str | Path, content: str | bytes | memoryview) -> None:
 
 @contextmanager
 def completed(path: str | Path) -> Iterator[Path]:
-    """Give an empty temporary file, with the ending of its target, to write to; then it takes the target's name.
+    """Yield an empty temporary file with the ending of its target; when it is written, it is renamed to the target.
 
-    A target that is a link is replaced where the link points to; a device or a pipe is written to when all is there.
-    The temporary file is made without following a link. A new file has the rights that the system gives to new files;
-    one that is replaced keeps its own. `unwritable` puts an `OSError` into words.
+    A target that is a link is replaced where the link points to; a device or a pipe is written to when the content is
+    complete.  The temporary file is made without following a link.  A new file gets the default rights; a replaced file
+    keeps its rights.  `unwritable` puts an `OSError` into words.
     """
     mode = _mode_of(path)
     if mode is not None and not stat.S_ISREG(mode):

@@ -17,12 +17,12 @@ from lapjoint.errors import SolverError
 
 LOGGER = logging.getLogger(__name__)
 WORTH_SAYING = 500_000_000
-"""Bytes from which on memory is logged: the size of the largest export without --large."""
+"""Memory from which on a size is logged, bytes: as much as the largest export without --large."""
 SHARE = 0.25
-"""Largest share of the machine's memory that one motion may take.  The finer resolution that states its errors, with
-1.5 times as many modes, takes up to 2.25 times as much: 0.81 in all."""
+"""Largest fraction of the machine's memory that one motion may take.  The error estimate solves again with 1.5 times as
+many modes, which takes 2.25 times the memory; both together take 0.25 x 3.25 = 0.81 of the machine's."""
 _UNKNOWN = 8e9
-"""Bytes of a usual machine, for one that does not state its memory."""
+"""Memory that is assumed where the machine does not state its memory, bytes: that of a usual machine."""
 _CONTAINER = Path("/sys/fs/cgroup/memory.max")
 
 
@@ -38,10 +38,11 @@ def machine_bytes() -> float:
 
 
 def require(size: float, what: str, remedy: str, before: float = 0.0) -> None:
-    """Log that `what` takes `size` bytes if that is much, and refuse it, with a `remedy`, above `SHARE` of the
-    machine's.
+    """Log that `what` takes `size` bytes, if that is much; above `SHARE` of the machine's memory, refuse it with a
+    `remedy`.
 
-    `what` is in the plural, with what decides its size. A size is logged again only when it has doubled since `before`.
+    `what` is a plural noun phrase that says what decides the size.  A size is logged again only when it has doubled
+    since `before`, the previous size.
     """
     most = SHARE * machine_bytes()
     if size > most:

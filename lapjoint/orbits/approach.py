@@ -1,23 +1,25 @@
-r"""Whether a march is bound for a stable orbit, for all time to come.
+"""Whether a march is bound for a stable orbit, for all time to come.
 
-A march deviates from the orbit by e now, and by e_k = M^k e after k periods of the orbit, M being the derivative of its
-map, so long as the march makes the switches that the orbit makes, and no others.  The march does if, for all k >= 0,
+Let e be the deviation of the march from the orbit now, and M the derivative of the orbit's period map.  After k periods
+of the orbit the deviation is e_k = M^k e, provided that the march makes the switches of the orbit and no others.  It
+does if, for all k >= 0,
 
-    |D e_k| <= c |h|                  at every stop and phase: the deviation touches no further stop; |X e_k| / r <=
-    spacing / 3        at every switch: it moves by far less than the time to the next switch of its stop, 3 (|X e_k| /
-    r) |h''| <= r        the stop is crossed at a rate that hardly changes, |X' e_k| <= r / 2                 and that
-    the deviation hardly changes,
+    |D e_k| <= c |h|              at every stop and phase: the deviation touches no further stop,
+    |X e_k| / r <= spacing / 3    at every switch: it shifts by at most a third of the time to its stop's next switch,
+    3 (|X e_k| / r) |h''| <= r    at every switch: the stop is crossed at a rate that hardly changes,
+    |X' e_k| <= r / 2             at every switch: the deviation changes that rate by at most half,
 
-with D the deviation's motion at the stop, h the stop's gap function, r = |h'| at a switch, X and X' the rows that give
-h and h' there from the deviation (`lapjoint.orbits.watch`).  Within three shifts |X e_k| / r of a stop's own switch the
-first condition does not apply.  An orbit without switches has an exactly linear map, and c is just below one; else the
-conditions leave room for the nonlinear part of the map.
+where D maps a deviation to its displacement at the stop, h is the stop's gap function, r = |h'| at a switch, and the
+rows X and X' map a deviation to h and h' there (`lapjoint.orbits.watch`).  Within three shifts |X e_k| / r of a stop's
+own switch the first condition does not apply.  Without switches the map is linear, and c = `LINEAR`; with switches c =
+`CURVED` leaves room for the nonlinear part of the map.
 
-The first k are looked at one by one.  For late k only the slow eigenvectors V of M matter, and
+The first e_k are tested one by one.  For late k only the slow eigenvectors V of M matter, and
 
     |D e_k| <= sum_i |D V_i| |lambda_i|^K |a_i|,    a = V^-1 e,    k >= K
 
-settles all of them at once.  If some k fails, the last one says how long to march before it is worth looking again.
+bounds all k >= K, so that one test covers them.  The last k that fails is the number of periods to march before the
+next test.
 """
 
 from __future__ import annotations
@@ -37,21 +39,22 @@ exactly linear; a smaller share would leave lightly damped motions undecided for
 CURVED = 0.5
 """Largest share c if the orbit has switches: half of the distance is left for what the linearised map misses."""
 _SHIFTS = 3.0
-"""Time from a switch, in shifts |X e_k| / r, within which the distance to its stop does not matter: whether the stop is
-closed there depends on the shift.  With two shifts orbits become marginal, and cost twice as much marching."""
+"""Time on either side of a stop's own switch, in shifts |X e_k| / r, in which the stop's distance does not count: the
+deviation decides whether the stop is closed there.  With two shifts some orbits fail narrowly, and need twice the
+marching."""
 RATE = 0.5
 """Largest share of the rate at a switch that a deviation may change; the switch then keeps its direction."""
 _FIRST, _MOST = 16, 1024
-"""Numbers of deviations e_k that are looked at together, first and at most: blocks make fast matrix products."""
+"""First and largest number of deviations e_k that are tested together: blocks make fast matrix products."""
 _NOTHING = 1e-13
-"""Largest deviation that is rounding, over the size of the orbit."""
+"""Deviation, over the size of the orbit, below which a deviation is rounding."""
 _DECAYED = 1e-12
 """Largest part of a deviation along an eigenvector that is neglected, over the size of the orbit."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """How long a deviation breaks the conditions of this module's head."""
+    """The result of a test: how long the march has to go on before the conditions can hold."""
 
     fails: int
     """Periods of the orbit to march before looking again; 0 if the conditions hold from the start and for all time."""

@@ -33,11 +33,12 @@ class AtRest(Part):
         Returns
         -------
         FloatArray, shape (...)
-            m over m^derivative, in an array of the shape of `x`.
+            The derivative, in m over m^derivative, an array shaped like `x`.
         """
         return np.zeros_like(np.asarray(x, dtype=float))
 
     velocity_at = displacement_at
+    """z_t(x, 0), the initial velocity, which is zero, too, in m/s over m^derivative."""
 
 
 class PolynomialShape(Part):
@@ -119,8 +120,8 @@ def initial_from_functions(
 ) -> SampledShape:
     """Initial state from Python callables, sampled at equidistant positions from root to tip.
 
-    The cubic spline through the samples is what both solvers see, and what a file keeps; its error is
-    O((length / points)^4).
+    Both solvers use the cubic spline through the samples, which a problem file stores.  The spline differs from the
+    function by O((length / points)^4).
 
     Parameters
     ----------

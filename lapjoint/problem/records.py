@@ -32,13 +32,16 @@ UNITS: dict[str, dict[str, float]] = {
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
 """Seconds in each allowed unit of time."""
 ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
-"""Which t-derivative of the motion a quantity is."""
+"""Order of the time derivative of the displacement that a quantity is."""
 LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
-"""A thousand times the reach of the largest shakers, 200 g, 5 m/s, 0.5 m and 1 MN: larger samples have a wrong unit."""
+"""A thousand times what the largest shakers reach, 200 g, 5 m/s, 0.5 m and 1 MN, in SI units: larger samples raise a
+hint that the unit may be wrong."""
 HOLE = 1.5
-"""Step between samples, over the median step, above which samples are missing: half-way between 1 and 2."""
+"""Step between samples, over the median step, above which samples are missing: a longer step is nearer to two steps
+than to one."""
 EVEN = 0.9
-"""Share of steps within half a median of the median from which on a record is evenly sampled but for holes."""
+"""Least fraction of steps between 0.5 and 1.5 medians at which a record counts as evenly sampled, and longer steps as
+holes: a record with more than a tenth of other steps has times of its own."""
 
 
 class Reading(Part):
@@ -64,7 +67,7 @@ class Record(Reading):
     """Samples over time, from a CSV file or from arrays."""
 
     waves: ClassVar[tuple[()]] = ()
-    """The waves of which it consists: none."""
+    """Sinusoidal components of the record: none."""
     values: Samples | None = None
     """The samples, where there is no file."""
     times: Samples | None = None
@@ -76,11 +79,12 @@ class Record(Reading):
     time_unit: str = "s"
     """Unit of the times: s, ms, us or min."""
     holes: Literal["refuse", "bridge"] = "refuse"
-    """Steps over 1.5 medians, where nine in ten are 0.5 to 1.5: refused, or interpolated (bridge) as all are."""
+    """Whether holes, steps above 1.5 medians of an evenly sampled record, are refused or bridged by the usual
+    interpolation."""
     remove: Literal["nothing", "offset", "drift"] = "nothing"
     """What to take out of the samples: their mean over time (offset), or the straight line nearest to them (drift)."""
     sha256: str | None = None
-    """Digest of the samples of a file: if it is given, a file whose samples have another one is refused."""
+    """Digest of the samples of a file: if it is given, a file with another digest is refused."""
 
     @property
     def _measured(self) -> str:
@@ -90,7 +94,8 @@ class Record(Reading):
     @model_validator(mode="before")
     @classmethod
     def _with_samples_of_the_file(cls, data: Any, info: ValidationInfo) -> Any:
-        """The tables with the samples of their file, and their digest; read unless they came with the tables."""
+        """The tables with samples and digest of their file added; the file is read unless the tables hold its
+        samples."""
         if not isinstance(data, dict) or not isinstance(data.get("file"), str):
             return data
         try:

@@ -23,16 +23,16 @@ JOINTS = {
     ),
 }
 STARTS = 12
-"""Motions of each joint by the analytic solver, from rest and from tips that move at first.  How far their exponents
-scatter is what one measurement is worth: its own standard error, of one motion, is half of that at times, for chaos
-that comes and goes has few independent parts."""
-SPEED = 1e-3  # m/s, of the tip of the second motion; the third has twice as much, and so on
-MOST = 10  # of the motions must be certified, from which the exponent is taken
-PROBABILITY = 0.99  # with which the interval of an exponent holds it
+"""Motions of each joint by the analytic solver, from rest and from tips that move at first.  The scatter of their
+exponents is the uncertainty of one measurement: the standard error stated by one motion is half of that scatter at
+times, because intermittent chaos has few independent parts."""
+SPEED = 1e-3  # Initial speed of the tip in the second motion, m/s; the k-th motion starts with k - 1 times as much
+FEWEST = 10  # Fewest certified motions from which an exponent is taken
+PROBABILITY = 0.99  # Probability with which the interval of an exponent holds it
 
 
 def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> SteadyState:
-    """The motion that remains, by the solver named, of a beam whose tip has a speed at first, m/s."""
+    """The steady motion by the solver named, of a beam whose tip starts at `speed`, m/s."""
     problem = problem.replace(initial=PolynomialShape(velocity=(0.0, 0.0, speed / problem.beam.length**2)))
     if which == "analytic":
         return analytic.Solver().steady_state(problem, errors=False)
@@ -40,20 +40,8 @@ def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> St
 
 
 def exponents(several: Sequence[Exponent], single: Exponent) -> tuple[Estimate, Estimate]:
-    """The mean of several measurements, and a single one, with intervals from how far the several scatter.
-
-    Parameters
-    ----------
-    several : sequence of Exponent
-        Of motions that begin differently.
-    single : Exponent
-        Of one motion, by another solver.
-
-    Returns
-    -------
-    tuple of Estimate
-        Both exponents, 1/s.
-    """
+    """Mean exponent of several motions that begin differently, and the exponent of one by another solver, both in 1/s,
+    with intervals from the scatter of the several."""
     values = np.array([exponent.value for exponent in several])
     times = np.array([exponent.time for exponent in several])
     factor = float(student_t.ppf((1 + PROBABILITY) / 2, values.size - 1))
@@ -94,8 +82,8 @@ def run(level: Level, say: Say) -> CaseResult:
                 )
             known = [one.exponent for one in exact if one.outcome is Outcome.APERIODIC and one.exponent is not None]
             reason = "from rest, and from tips that move at first"
-            criteria.append(Criterion(f"{label}: motions certified", "1", len(known), MOST, STARTS, reason))
-            if len(known) < MOST or fe.exponent is None:
+            criteria.append(Criterion(f"{label}: motions certified", "1", len(known), FEWEST, STARTS, reason))
+            if len(known) < FEWEST or fe.exponent is None:
                 continue
             a, b = exponents(known, fe.exponent)
             checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", a, b))

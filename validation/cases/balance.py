@@ -59,9 +59,8 @@ kind = "polynomial"
 displacement = [1e-3, -2e-3, 1e-3]
 velocity = [0.03, -0.02]
 """
-DURATION = 0.4  # s: contacts of all three stops
-TOLERANCE = 1e-4
-"""Relative: what quadrature leaves, and what the modes of a state lose at a switch to the next."""
+DURATION = 0.4  # Length of the motion, s: contacts of all three stops lie in it
+TOLERANCE = 1e-4  # Relative error of quadrature, and of the modes that a state loses at a switch to the next
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -1,12 +1,12 @@
-"""Where branches end, and where a range has none: two joints like the paper's.
+"""Ends of branches, and ranges without a branch: two joints like the paper's.
 
-With 0.09 of damping the damping forces, which jump as a stop is left, turn the stop's acceleration about: a short
-flight would be on the wrong side of the stop, and the branch ends at that graze.  Both solvers must have that end at
-one frequency.
+The first joint has 0.09 of critical damping.  Its damping forces jump when a stop is left, and reverse the acceleration
+of the stop: a short flight would be on the wrong side of the stop, so the branch ends at that graze.  Both solvers must
+find the end at one frequency.
 
-With four fifths of the gaps contacts begin and end in close succession, and symmetries break between them.  A branch
-that is led back across one of these grazes never comes to the other end of the range.  So motions from both ends
-must cover the range, and what they leave must be told.
+The second joint has four fifths of the paper's gaps.  Contacts begin and end in close succession, and symmetries break
+between them.  A branch that turns back at one of these grazes never reaches the other end of the range.  Branches from
+both ends must therefore cover the range, and the rest must be reported.
 """
 
 from __future__ import annotations
@@ -21,16 +21,13 @@ from lapjoint import FREQUENCY, Problem, branch, paper_joint
 from validation.case import Say
 from validation.verdict import Check, Criterion, Estimate
 
-RATIO, RANGE = 0.09, (4390.0, 4374.0)  # of critical damping; rad/s, from the end at which the branch begins
-OPTIONS: dict[str, dict[str, Any]] = {"analytic": {}, "fe": {"elements": 30}}
-"""Of each solver."""
-CLOSELY = 1e-5
-"""Largest stated error over the value: an error that says nothing would hide any difference."""
-GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # of the paper's gaps; rad/s
-SHARE = 1e-3
-"""Largest share of the range that may be left without a branch, and told."""
-LEAST = 1e-9
-"""Least width of a part of the range that counts, over the range: ends of branches are solved to that."""
+RATIO, RANGE = 0.09, (4390.0, 4374.0)
+"""Damping over critical damping, and the range from the end at which the branch begins, rad/s."""
+OPTIONS: dict[str, dict[str, Any]] = {"analytic": {}, "fe": {"elements": 30}}  # Numerical options of each solver
+CLOSELY = 1e-5  # Largest stated error over the value: a larger error would hide any difference
+GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # Gaps over the gaps of the paper, and the range, rad/s
+SHARE = 1e-3  # Largest share of the range that may be left without a branch, and reported as such
+LEAST = 1e-9  # Least width over the range of a part that counts, as ends of branches are solved to 1e-9
 
 
 def damped() -> Problem:
@@ -46,20 +43,7 @@ def tight() -> Problem:
 
 
 def gaps_of(intervals: list[tuple[float, float]], low: float, high: float) -> list[tuple[float, float]]:
-    """The parts of a range that no interval covers.
-
-    Parameters
-    ----------
-    intervals : list of tuple of float
-        The lower and the upper end of each.
-    low, high : float
-        The range.
-
-    Returns
-    -------
-    list of tuple of float
-        The lower and the upper end of each part.
-    """
+    """Lower and upper end of each part of the range from `low` to `high` that no interval covers."""
     found, covered = [], low
     for first, last in [*sorted(intervals), (high, high)]:
         if first - covered > LEAST * (high - low):
@@ -103,7 +87,7 @@ def _end(say: Say) -> Iterator[Check | Criterion]:
 
 
 def told_of(found: xr.Dataset) -> list[tuple[float, float]]:
-    """The parts of the range that the dataset tells are on no branch."""
+    """The parts of the range that the dataset reports as without a branch."""
     if "uncovered_from" not in found:
         return []
     ends = np.stack([found["uncovered_from"].values, found["uncovered_to"].values], axis=1)

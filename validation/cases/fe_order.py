@@ -23,9 +23,9 @@ from validation.verdict import Criterion
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MODES = 8  # lowest ones of each state
-SHOWN = (0, 1, 3, 7)  # modes of the figure
-FLOOR = 1e-9  # relative errors below are round-off of the dense eigenproblem: see the table
+MODES = 8  # Number of the lowest modes of each state
+SHOWN = (0, 1, 3, 7)  # Modes of the figure
+FLOOR = 1e-9  # Relative error below which the dense eigenproblem rounds: see the table
 
 
 def run(level: Level, say: Say) -> CaseResult:

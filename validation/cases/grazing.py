@@ -16,7 +16,7 @@ from lapjoint.problem import FloatArray
 from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Check, Criterion, Estimate
 
-RATIO = 0.02  # modal damping
+RATIO = 0.02  # Modal damping ratio
 BEAM = Beam(length=2.0, bending_stiffness=1e5, mass_per_length=10.0)
 FREE_FLIGHT = Problem(
     title="Cantilever that grazes a stop",
@@ -25,7 +25,7 @@ FREE_FLIGHT = Problem(
     damping=ModalDamping(ratio=RATIO),
     base_motion=BaseMotion(amplitude=1e-3, angular_frequency=70.0),
 )
-DURATION = 0.5  # s
+DURATION = 0.5  # Length of the motion, s
 DEPTHS = tuple(10.0**-n for n in range(2, 9))
 
 
@@ -45,10 +45,8 @@ def highest(solver: analytic.Solver | fe_lapjoint.Solver) -> tuple[float, float]
 
 
 def three_modes() -> Callable[[float], int]:
-    """How many crossings `solve_ivp` reports when it integrates the three lowest modes with the gap as its event.
-
-    The gap lies a given depth below the highest point of this three-mode motion, over it, so that two crossings exist.
-    """
+    """A function of the depth, m, that counts the crossings `solve_ivp` reports for the three lowest modes with the gap
+    as its event; two exist, for the gap lies that depth below the highest point of this motion."""
     modes = analytic.Solver().modes(FREE_FLIGHT, FREE, 3)
     omega, tip = modes.angular_frequencies, modes.shapes(np.array([BEAM.length]))[:, 0]
     x, w = np.polynomial.legendre.leggauss(60)

@@ -27,13 +27,13 @@ FREQUENCIES = {
     "standard": tuple(np.arange(250.0, 5001.0, 250.0)),
     "full": tuple(np.arange(125.0, 5001.0, 125.0)),
 }
-COUNTS = (5, 8, 10, 12, 15, 20, 30)  # modes in every state
-PUBLISHED_COUNTS = ((8, 5), (12, 8), (20, 12), (30, 20))  # modes without contact, and in contact
-REFERENCE = 60  # modes: converged, next to any of these
-MECHANISM = (515.0, 1000.0, 1398.5, 2060.5, 2160.5, 2950.0)  # rad/s: peaks and windows of the paper's Figure 4
-AFTER = (40, 290)  # cycles from rest
+COUNTS = (5, 8, 10, 12, 15, 20, 30)  # Numbers of modes in every state
+PUBLISHED_COUNTS = ((8, 5), (12, 8), (20, 12), (30, 20))  # Numbers of modes without contact and in contact
+REFERENCE = 60  # Number of modes of the converged reference
+MECHANISM = (515.0, 1000.0, 1398.5, 2060.5, 2160.5, 2950.0)  # Peaks and windows of the paper's Figure 4, rad/s
+AFTER = (40, 290)  # Cycles from rest
 WORKERS = 2
-SMALL = 1e-3  # of the largest impulse of the motion
+SMALL = 1e-3  # Least error that counts, over the largest impulse of the motion
 Make = Callable[[], Solver]
 
 

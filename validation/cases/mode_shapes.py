@@ -21,7 +21,7 @@ from validation.verdict import Check, Criterion, Estimate
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-MODES = 8  # lowest ones of each state
+MODES = 8  # Number of the lowest modes of each state
 
 
 def mac(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -18,7 +18,7 @@ ANALYTIC_ORDER = 5.0
 """Impulses converge with the seventh power of the number of modes, event times with the fifth
 (tests/analytic/test_steady_state.py)."""
 FE_ORDER = 4.0
-EVENT_FLOOR = 2.2e-11  # s, to which both solvers locate a switch
+EVENT_FLOOR = 2.2e-11  # Time to which both solvers locate a switch, s
 
 
 def analytic_levels(problem: Problem, ratio: float) -> list[analytic.Solver]:
@@ -33,13 +33,13 @@ def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
 
 
 def refined_by(solver: Solver) -> Refined:
-    """What a solver refines: its modes, its mesh, or, of a peer, whatever it has."""
+    """The refinement of a solver: its modes, its mesh, or, for a peer, its own."""
     by_kind = {analytic.Solver: ErrorSource.MODES, fe_lapjoint.Solver: ErrorSource.MESH}
     return Refined(by_kind.get(type(solver), ErrorSource.REFINEMENT), solver.name)
 
 
 def longest_period(problem: Problem) -> float:
-    """The excitation period, or without one that of the slowest elastic mode of the free beam, s."""
+    """The excitation period, s; without excitation, the period of the slowest elastic mode of the free beam."""
     if problem.excitation_frequency is not None:
         return 2 * math.pi / problem.excitation_frequency
     found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies  # two of them can be rigid, at zero
@@ -54,11 +54,8 @@ def complete(history: History, count: int) -> list[Contact]:
 def contact_estimates(
     contacts: Sequence[Sequence[Contact]], ratio: float, order: float, refined: Refined, i: int
 ) -> dict[str, Estimate]:
-    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.
-
-    Changes may cancel by chance.  So errors are carried on, none is taken for surer than those before it; and where the
-    finest solution states errors of its own, none is taken for surer than these.
-    """
+    """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.  Changes may cancel by chance,
+    so no solution is taken for more certain than a coarser one, or than the errors that the finest solution states."""
 
     def estimate(field: str, j: int) -> Estimate:
         found = refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
@@ -78,7 +75,8 @@ def contact_estimates(
 
 
 def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
-    """The error that a solution states of itself, or 0; of a rebound the larger one of the impacts on either side."""
+    """The error that a solution states of itself, or 0; for a rebound, the larger of the errors of the two impacts
+    around it."""
     if field == "impulse":
         return contacts[j].impulse_error or 0.0
     impacts = contacts[j : j + 2] if field == "end" else contacts[j : j + 1]
@@ -86,7 +84,7 @@ def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
 
 
 def _carried(estimates: Sequence[Estimate]) -> Estimate:
-    """The last of some numbers of a motion, with the largest of their uncertainties."""
+    """The last of several estimates of a motion, with the largest of their uncertainties."""
     last, worst = estimates[-1], max(estimates, key=lambda estimate: estimate.uncertainty)
     if worst.uncertainty == last.uncertainty:
         return last
@@ -96,10 +94,8 @@ def _carried(estimates: Sequence[Estimate]) -> Estimate:
 def compare_contacts(
     problem: Problem, duration: float, count: int, finest: int, cap: float | None = None, stated: bool = False
 ) -> tuple[list[Check], History, History]:
-    """Checks of the first `count` contacts, and the finest histories of both solvers.
-
-    With `stated`, errors that the finest solutions state of themselves are heeded, at the cost of a march finer still.
-    """
+    """Checks of the first `count` contacts, and the finest histories of both solvers; with `stated`, the errors that
+    the finest solutions state are respected, at the cost of one finer march."""
 
     def marched(solvers: Sequence[Solver]) -> list[History]:
         return [one.simulate(problem, duration, errors=stated and one is solvers[-1]) for one in solvers]

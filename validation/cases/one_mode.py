@@ -17,16 +17,17 @@ from validation.cases.bilinear import Bilinear, classical_frequency
 from validation.uncertainty import Refined, refined_estimate
 from validation.verdict import Check, ErrorSource, Estimate, Kind
 
-LENGTH, MASS = 1.0, 3.0  # m, kg/m: a moment of inertia of m L^3 / 3 about the pin
-TORSION, STOP = 100.0, 525.0  # N m/rad, N/m: omega_2 / omega_1 = 2.5, at which no harmonic looked at is resonant
-SPEED = 0.1  # m/s, of the tip at t = 0
-GAPS = (0.006, 0.0)  # m
+LENGTH, MASS = 1.0, 3.0  # Length, m, and mass per length, kg/m: the moment of inertia about the pin is m L^3 / 3
+TORSION, STOP = 100.0, 525.0
+"""Torsional spring, N m/rad, and stop, N/m: omega_2 / omega_1 = 2.5, where no harmonic compared is resonant."""
+SPEED = 0.1  # Speed of the tip at t = 0, m/s
+GAPS = (0.006, 0.0)  # Gaps of the stop, m
 CONTACTS, HARMONICS = 3, (0, 1, 2, 3)
-SOFTEST, RATIO = 1e6, 4.0  # N m2, and the factor from one bending stiffness to the next
+SOFTEST, RATIO = 1e6, 4.0  # Least bending stiffness, N m2, and the factor from one stiffness to the next
 LIMIT_ORDER = 1.0
 """Bending is proportional to the load over EI; the ringing that an impact leaves falls with the power 3/2."""
 SOLVERS: dict[str, Solver] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=6)}
-ROUNDING = 1e-12  # relative, of the closed form
+ROUNDING = 1e-12  # Relative rounding of the closed form
 EVENT_FLOOR = (
     1.1e-9  # s: the shortest step in the FE solver's search for a switch, which a start at the gap begins with
 )
@@ -57,7 +58,7 @@ def contact_numbers(history: History) -> list[float]:
 
 
 def exact_contacts(limit: Bilinear) -> list[tuple[str, str, float]]:
-    """The same in closed form, with name and unit."""
+    """Start, end, impulse and peak force of the first contacts in closed form, with name and unit."""
     numbers = []
     for i, piece in enumerate(limit.contacts(CONTACTS)):
         label = f"contact {i + 1}"
@@ -81,7 +82,7 @@ def period_numbers(history: History) -> list[float]:
 
 
 def exact_period(limit: Bilinear) -> list[tuple[str, str, float]]:
-    """The same in closed form."""
+    """Frequency and harmonics in closed form, with name and unit."""
     omega = classical_frequency(limit.omega_1, limit.omega_2)
     return [("frequency", "rad/s", omega), *((f"harmonic {n}", "m", limit.harmonic(n)) for n in HARMONICS)]
 

@@ -1,10 +1,10 @@
-"""Is what the search knows of an orbit true of the motion?
+"""Are the search's statements about an orbit true of the motion?
 
-A march counts as bound for an orbit by four things: the derivative of the period map, the orbit's distances from its
-stops, what deviations do there, and a rule that compares them for all time to come.  Both solvers are searched by one
-code, so neither shows a mistake in it.  Here each of the four is derived again: the derivative, and what deviations do,
-from marches that begin a little beside the orbit; distances and rates from the motion itself; the rule from its
-statement in `lapjoint.orbits.approach`, deviation by deviation.
+Four things decide that a march is bound for an orbit: the derivative of the period map, the orbit's distances from its
+stops, the deviations there, and a rule that compares deviations and distances for all time to come.  One code searches
+for both solvers, so neither shows a mistake in it.  Each of the four is derived again here.  Marches that begin a
+little beside the orbit give the derivative and the deviations.  The motion itself gives distances and rates.  The rule
+is taken from its statement in `lapjoint.orbits.approach`, deviation by deviation.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 MODAL, MESH = analytic.Solver(n_modes=5), fe_lapjoint.Solver(elements=1)
-"""Coarse ones will do: each is compared with itself."""
+"""Coarse solvers, for each is compared with itself alone."""
 WIDE = joint("Gaps out of reach", 2.5, 0.05, (1.0, "top", 1.2e-2, 30.0), (0.5, "bottom", 9e-3, 30.0))
 FOUR = joint("Four periods", 2.5, 0.02, (1.0, "top", 4e-3, 30.0), (0.5, "bottom", 2e-3, 30.0))
 ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
@@ -50,47 +50,55 @@ ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
     ("out of reach", WIDE, MODAL),
     ("out of reach", WIDE, MESH),
 )
-"""All kinds: with one switch at a stop and with several, with a mirror image, of several periods, without contact."""
+"""Orbits of all kinds: with one and with several switches at a stop, with a mirror image, of several periods,
+without contact."""
 FEW = tuple((ratio, omega) for ratio in (0.02, 0.05) for omega in (120.0, 160.0, 222.0, 300.0, 400.0, 500.0))
-"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out so much that a
-stop may switch beyond its gap, and back there: the derivative is then known from differences only if it knows that."""
-BESIDE = 1e-7  # of the orbit's size: how far beside it neighbours begin; its square is lost, and rounding over it
-DERIVED = 1e-5  # relative: what differences over so little leave of a derivative
-BY_SAMPLES = 0.05  # relative: parabolas between 64 samples in half a period, which `FiniteDifferences` draws
-EDGE = 1e-6  # of the orbit's length: so far before a switch rates are read off, and twice as far, and carried on
-READ = 1e-3  # relative: what that leaves of a rate, and of its rate
-CLOSED = 1e-8  # relative, of the times of switches: how well they are located, and how well the orbit closes
-PERIODS = 3  # over which a deviation is followed; and of the march from rest, whose deviation is one
-POINTS = 9  # in an interval, at which distances are looked at
-EXACT = 1e-6  # relative, of bounds and of sizes that are derived twice
-TIGHT = 0.5  # of a distance that the search must be certain of; less would have it march on for longer than it need
-ON_AVERAGE = 0.975  # of distances and deviations: intervals of a 32nd of a period at the most, so that chords are near
-CHORD = 1e-4  # relative: what a chord misses of a distance or of a deviation where these hardly bend
-WITHIN = 1e-9  # of an interval: at a switch itself truncated modes jump, and rounding says to which side it belongs
-INSIDE = 0.02  # of an interval: so far from its ends deviations are looked at, for switches move by a deviation
+"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out enough that
+a stop switches beyond its gap and back: finite differences give the derivative only if they account for these
+switches."""
+BESIDE = 1e-7  # Distance at which neighbours begin, over the orbit's size: its square, and rounding over it, are lost
+DERIVED = 1e-5  # Relative error of a derivative by differences over that distance
+BY_SAMPLES = 0.05
+"""Relative error of the parabolas between 64 samples in half a period, which `FiniteDifferences` draws."""
+EDGE = 1e-6
+"""Distances, once and twice this, before a switch from which rates are extrapolated, over the orbit's length."""
+READ = 1e-3  # Relative error of a rate, and of its rate, by that extrapolation
+CLOSED = 1e-8  # Relative error of the times of switches: how well they are located, and how well the orbit closes
+PERIODS = 3  # Periods over which a deviation is followed, and after which a march from rest is taken as a deviation
+POINTS = 9  # Points in an interval at which distances are evaluated
+EXACT = 1e-6  # Relative rounding of bounds and sizes that are derived twice
+TIGHT = 0.5
+"""Least share of a distance of which the search must be certain; a smaller share would make it march too long."""
+ON_AVERAGE = 0.975
+"""Least mean share of distances and deviations: chords are close over intervals of a 32nd of a period at most."""
+CHORD = 1e-4  # Relative error of a chord for a distance or a deviation that hardly bends
+WITHIN = 1e-9  # Distance from a switch over the interval: truncated modes jump at it, and rounding decides the side
+INSIDE = 0.02  # Distance from the ends of an interval, over its length, as a deviation moves the switches there
 WANDERING = ("four periods",)
 WANDERED, WATCHED, MULTIPLES = 80, 64, 6
-"""Periods of a march from rest, the last of them over which it is seen how far it wanders, and multiples tried."""
-RATIOS = (0.0, 0.01, 0.02)  # of modes: the first is not damped
+"""Periods of a march from rest, the last periods over which its wandering is measured, and the multiples tried."""
+RATIOS = (0.0, 0.01, 0.02)  # Damping ratios of modes, the first without damping
 FREE, BENT, SHIFTS, RATE, APART = 0.9, 0.5, 3.0, 0.5, 1 / 3
-"""The rule: share of a distance that a deviation may take where there are no switches, and where there are; shifts of a
-switch next to it that are exempt; share of the rate that it may change; share of the time to the next switch."""
-LOOKED_AT = 512  # periods of the orbit over which the rule is looked at: the slowest one here decays by 0.85 in each
+"""The rule: largest share of a distance that a deviation may take without switches and with them; shifts of a switch
+beside it that are exempt; largest share of the rate by which the rate may change; largest share of the time to the
+next switch."""
+LOOKED_AT = 512  # Periods of the orbit over which the rule is evaluated: the slowest orbit decays by 0.85 in each
 SMALLEST, LARGEST, HALVINGS = 1e-8, 1e4, 40
-"""Sizes of deviations over that of the orbit, between which the largest that the rule allows is looked for."""
-BEYOND = (1.5, 4.0, 20.0)  # times that size, at which the rule says how long to wait
-NEARLY = 0.95  # of the share that the rule allows: what bounds in place of true deviations and distances leave of it
-BACK = 40  # periods after which a march from such a deviation must be back
-RETURNED = 1e-2  # of the deviation that is left then: 0.85 to the power of 40 is 1.5e-3
+"""Sizes of deviations over that of the orbit, between which the largest allowed size is bisected."""
+BEYOND = (1.5, 4.0, 20.0)  # Multiples of that size at which the rule states a time to wait
+NEARLY = 0.95  # Least share of the rule's limit that bounds reach in place of true deviations and distances
+BACK = 40  # Periods after which a march from such a deviation must be back
+RETURNED = 1e-2  # Largest remainder over the deviation after these periods: 0.85 to the power of 40 is 1.5e-3
 DECAYING = -np.array([0.1, 1.0, 3.0, 0.0]) + 1j * np.array([2.0, 9.0, 0.0, 4.0])
-"""Exponents of terms over which chords are drawn, 1/s: ringing, overdamped, and undamped ones."""
-CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # s: ends of intervals in a segment
-OVER = 1.1  # times what a chord misses: a bound that the term at the start of an interval makes, 0.2 rad wide at most
+"""Exponents of the terms over which chords are drawn, 1/s: ringing, overdamped and undamped terms."""
+CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # Ends of the intervals in a segment, s
+OVER = 1.1
+"""Largest bound over the error of a chord: the bound uses the term at the start of an interval of 0.2 rad at most."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """An orbit, and the map that it was found by."""
+    """An orbit, and the period map by which it was found."""
 
     label: str
     solver: Solver
@@ -99,7 +107,7 @@ class Known:
 
     @property
     def length(self) -> float:
-        """Of the orbit, s."""
+        """Length of the orbit, s."""
         return self.orbit.half_periods * self.half_periods.map.period / 2
 
     @property
@@ -114,29 +122,29 @@ class Known:
 
     @cached_property
     def deviation(self) -> FloatArray:
-        """A deviation at random, as long as the orbit's section point."""
+        """A random deviation of the length of the orbit's section point."""
         map_ = self.half_periods.map
         found = np.random.default_rng(5).standard_normal(self.orbit.last.matrix[0].shape)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
 
     @cached_property
     def transient(self) -> FloatArray:
-        """The deviation of a march from rest after some periods, made as long as the orbit's section point."""
+        """The deviation of a march from rest after some periods, scaled to the length of the orbit's section point."""
         map_ = self.half_periods.map
         found = map_.difference(map_.march(map_.initial(), 2 * PERIODS).end, self.orbit.point)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
 
     def beside(self, deviation: FloatArray) -> SectionPoint:
-        """The section point beside the orbit's."""
+        """The section point of the orbit, displaced by a deviation."""
         return self.half_periods.map.moved(self.orbit.point, deviation)
 
     def neighbour(self, deviation: FloatArray, periods: int) -> History:
-        """The motion from there."""
+        """The motion from the displaced section point over some periods."""
         return self.half_periods.map.history(self.beside(deviation), periods)
 
 
 def known(label: str, problem: Problem, solver: Solver) -> Known | None:
-    """The orbit that a march from rest ends on; None if that is no fixed point of the solver's map."""
+    """The orbit on which a march from rest ends; None if it is no fixed point of the solver's map."""
     steady = solver.steady_state(problem, sensitivity=False, errors=False)
     half_periods = HalfPeriods(solver.period_map(problem))
     mirrors = steady.symmetric and half_periods.twins is not None
@@ -157,14 +165,15 @@ def speed(history: History, stop: int, t: FloatArray) -> FloatArray:
 
 
 def nearest(history: History, stop: int, time: float) -> float:
-    """The switch of a stop in a motion that is the nearest to a time from its start, s; infinite without one."""
+    """The time of a stop's switch nearest to a time, both in s from the start of the motion; infinite without
+    switches."""
     own = [contact for contact in history.contacts if contact.stop == stop]
     times = [c.start for c in own if not c.open_start] + [c.end for c in own if not c.open_end]
     return min((t - history.start for t in times), key=lambda t: abs(t - time), default=math.inf)
 
 
 def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: str) -> Iterator[Check]:
-    """Numbers of one kind that the search has, and the same from elsewhere, to a share of the largest."""
+    """Numbers of one kind by the search, and from elsewhere, to a share of the largest number."""
     found, reference = pair
     u = share * float(np.abs(reference).max(initial=0.0))
     for i, (one, other) in enumerate(zip(found, reference, strict=True)):
@@ -173,7 +182,7 @@ def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: st
 
 
 def derivative(it: Known) -> Iterator[Check | Criterion]:
-    """The solver's own derivative against that by finite differences, which solvers without one are given."""
+    """The solver's own derivative against finite differences, which solvers without a derivative are given."""
     map_, count, how = it.half_periods.map, it.orbit.half_periods, "by finite differences"
     plain = FiniteDifferences(map_)
     own, other = it.half_periods.tangent.linearised(it.orbit.point, count), plain.linearised(it.orbit.point, count)
@@ -217,7 +226,8 @@ def farthest_from_stops(it: Known, intervals: Intervals) -> FloatArray:
 
 
 def switches(it: Known) -> Iterator[Check]:
-    """Times, rates, curvatures and spacings of switches, and what a deviation does there, against the motion itself."""
+    """Times, rates, curvatures and spacings of switches, and the effect of a deviation there, against the motion
+    itself."""
     watch, how = it.orbit.watch, "of the motion"
     found, h = watch.switches, it.history
     exact = np.array([nearest(h, k, t) for k, t in zip(found.stop, found.time, strict=True)])
@@ -248,10 +258,8 @@ def carried(pair: FloatArray) -> float:
 
 
 def edges(it: Known) -> FloatArray:
-    """Where intervals begin and end, s, as the times from and to the switches of each stop tell; NaN where none does.
-
-    Shape ``(2, P, I)``.
-    """
+    """Start and end of every interval, in s, from the times to the switches of each stop, shape (2, P, I); NaN where no
+    switch tells."""
     found, intervals, length = it.orbit.watch.switches, it.orbit.watch.intervals, it.length
     tiny = 1e-9 * length  # so that the ends of the orbit stay where they are
     both = np.full((2, intervals.stop.size), math.nan)
@@ -286,7 +294,7 @@ def distances(it: Known) -> Iterator[Criterion]:
 
 
 def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion]:
-    """What part of the whole is reached in all intervals: none of more than all, and nearly all of most."""
+    """Share of the whole that the part reaches in all intervals: never above one, and close to one in most."""
     shares = (part / whole)[whole > 1e-6 * whole.max()]
     reason = "a bound, reached where the motion hardly bends"
     yield Criterion(f"{name}, largest", "1", float(shares.max()), 1 - CHORD, 1 + EXACT, reason)
@@ -296,7 +304,8 @@ def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion
 
 
 def out_of_reach(it: Known) -> Iterator[Criterion]:
-    """Where nothing switches: the orbit's distances, and what the rule allows against what touches a stop."""
+    """Distances of an orbit without switches, and the limit of the rule against the first deviation that touches a
+    stop."""
     t = np.linspace(0.0, it.length, 4001)
     for k in it.stops:
         true = float(np.abs(gap(it.history, k, t)).min())
@@ -315,7 +324,8 @@ def out_of_reach(it: Known) -> Iterator[Criterion]:
 
 
 def chords() -> Iterator[Criterion]:
-    """What chords of terms miss, against the terms themselves, in every interval of two segments and at two places."""
+    """Errors of chords of terms, against the terms themselves, in every interval of two segments and at two
+    positions."""
     rng = np.random.default_rng(3)
     segment, tau = np.repeat([0, 1], len(CUTS)), np.tile(CUTS, 2)
     rates = np.stack([DECAYING, DECAYING[::-1]])
@@ -339,7 +349,7 @@ def chords() -> Iterator[Criterion]:
 
 
 def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
-    """Whether deviations meet the rule, as it is stated."""
+    """Whether deviations meet the rule, as it is stated, term by term."""
     watch = it.orbit.watch
     found, intervals = watch.switches, watch.intervals
     if not found.time.size:
@@ -355,7 +365,7 @@ def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
 
 
 def waits(it: Known, size: float) -> int:
-    """Periods of the orbit after which a deviation, of some size over the orbit's, meets the rule for good."""
+    """Periods of the orbit after which a deviation, of a size relative to the orbit's, meets the rule for good."""
     column, columns = size * it.deviation, []
     for _ in range(LOOKED_AT):
         columns.append(column)
@@ -365,7 +375,7 @@ def waits(it: Known, size: float) -> int:
 
 
 def allowed(fails: Callable[[float], int]) -> float:
-    """The largest size for which the rule need not wait, by halving the ratio of what is allowed and what is not."""
+    """The largest size for which the rule need not wait, by bisection of the ratio of allowed and rejected sizes."""
     low, high = SMALLEST, LARGEST
     for _ in range(HALVINGS):
         middle = math.sqrt(low * high)
@@ -374,7 +384,8 @@ def allowed(fails: Callable[[float], int]) -> float:
 
 
 def rule(it: Known) -> Iterator[Check | Criterion]:
-    """What the search says of deviations of several sizes, against the rule as it is stated, and against a march."""
+    """Statements of the search on deviations of several sizes, against the rule as it is stated, and against a
+    march."""
 
     def fails(size: float) -> int:
         return it.orbit.forecast(size * it.deviation, LOOKED_AT).fails
@@ -398,7 +409,7 @@ def rule(it: Known) -> Iterator[Check | Criterion]:
 
 
 def wanders(it: Known) -> Iterator[Criterion]:
-    """How far a march from rest is from repeating, against the definition, term by term."""
+    """The distance of a march from rest to repetition, against its definition, term by term."""
     map_ = it.half_periods.map
     points = [map_.initial()]
     for _ in range(WANDERED):
@@ -418,7 +429,7 @@ def wanders(it: Known) -> Iterator[Criterion]:
 
 
 def few_modes() -> Iterator[Criterion]:
-    """The derivative of a march with few modes, whole and one deviation of it, where much is left out at switches."""
+    """The derivative of a march with few modes, whole and for one deviation, where truncation at switches is large."""
     told, whole, growth = 0, 0.0, 0.0
     for ratio, omega in FEW:
         it = known("few modes", paper_joint(angular_frequency=omega, damping_ratio=ratio), MODAL)
@@ -441,7 +452,7 @@ def few_modes() -> Iterator[Criterion]:
 
 
 def damping_rates() -> Iterator[Check]:
-    """The lowest damping rate of modes that are damped, by which the search knows how long a transient may last."""
+    """The lowest damping rate of damped modes, from which the search knows how long a transient may last."""
     ratios = ModalDamping(ratio=RATIOS)
     for solver in (MODAL, fe_lapjoint.Solver(elements=16)):
         found = solver.period_map(JOINTS["uneven"].replace(damping=ratios)).lowest_damping_rate
@@ -456,7 +467,7 @@ def damping_rates() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All orbits."""
+    """All orbits, the chords, and the marches with few modes."""
     items: list[Check | Criterion] = [*damping_rates(), *chords(), *few_modes()]
     for label, problem, solver in ORBITS:
         it = known(label, problem, solver)

@@ -16,7 +16,7 @@ from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, ErrorSource, Estimate
 
 MODES = 6
-PERIODS = 6  # of the excitation or the slowest motion, in which contacts are looked for
+PERIODS = 6  # Periods of the excitation or the slowest motion in which contacts are sought
 MOST_STATES = 32
 
 

@@ -21,9 +21,9 @@ from validation.uncertainty import refined_estimate, refined_vector
 from validation.verdict import Check, Criterion, ErrorSource, Estimate
 
 NEAR = {515.0: 15.0, 820.0: 15.0, 2950.0: 40.0}
-"""The paper's peak frequencies, and how far around each the peak is looked for, rad/s."""
-TIP = 0  # P2: the bottom stop at the tip
-SPACING = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # of the points about a peak, of half the distance looked at
+"""The paper's peak frequencies, and the half width in which each peak is sought, rad/s."""
+TIP = 0  # P2, the bottom stop at the tip
+SPACING = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # Points about a peak, over half the width searched
 
 
 @dataclass(frozen=True)

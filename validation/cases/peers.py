@@ -31,19 +31,18 @@ from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
 MODES, CONTACTS = 5, 4
-DURATION = 0.015  # s, of the damped joint: the first contacts
-MARGIN = 1.02  # what coarse solutions are late by
-PERIODS = 1.5  # of the excitation or the slowest motion, for a user's problem
+DURATION = 0.015  # Length of the damped joint's motion, s: the first contacts
+MARGIN = 1.02  # Time marched over the end of the last contact: coarse solutions are late
+PERIODS = 1.5  # Periods of the excitation or the slowest motion, for a user's problem
 RATIO, PEER_ORDER = 2.0, 2.0
-"""From one level of a peer to the next, and the order relied on: that of a fixed time step."""
-FREQUENCY_ORDER = 4.0
-"""Of cubic beam elements, which the peers so far have."""
+"""Refinement from one level of a peer to the next, and the order relied on, which is that of a fixed time step."""
+FREQUENCY_ORDER = 4.0  # Order of frequencies of cubic beam elements, which all peers so far have
 ELASTIC_FLOOR, RIGID_FLOOR = 1e-8, 1e-4
-"""Of a frequency, relative to the highest compared: eigenvalue solvers round omega^2 of the whole mesh's highest mode,
-which shows in the zeros of rigid-body modes by its root."""
+"""Error of a frequency over the highest frequency compared: eigenvalue solvers round omega^2 relative to the highest
+mode of the whole mesh, and the zeros of rigid-body modes show the root of this error."""
 
 Levels = dict[str, tuple[list[Solver], float, float]]
-"""By name: three solvers from coarse to fine, the ratio of refinement, and the order."""
+"""By name of the solver: three solvers from coarse to fine, the ratio of refinement, and the order."""
 
 
 def damped_joint() -> Problem:
@@ -52,13 +51,7 @@ def damped_joint() -> Problem:
 
 
 def check_peers(names: tuple[str, ...]) -> None:
-    """See to it that every peer is installed and answers.
-
-    Raises
-    ------
-    InputError
-        If one does not.
-    """
+    """Raise InputError unless every peer is installed and answers."""
     for name in names:
         try:
             named_solver(name).modes(paper_joint(), FREE, 1)
@@ -130,7 +123,7 @@ def first_contacts(
 
 
 def duration_of(problem: Problem) -> float:
-    """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
+    """End of the last contact compared, at most some periods of the excitation or the slowest motion, s."""
     longest = PERIODS * longest_period(problem)
     contacts = complete(analytic.Solver().simulate(problem, longest, errors=False), CONTACTS)
     return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest

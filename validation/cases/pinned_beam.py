@@ -13,6 +13,7 @@ import fe_lapjoint
 from lapjoint import History
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
+from validation.references.panels import gauss_panels
 from validation.references.pinned_beam import PinnedBeam
 from validation.uncertainty import elements, refined_vector
 from validation.verdict import Check, Estimate, Kind
@@ -103,8 +104,9 @@ x = 1.2
 force = 42.0
 """
 BEAMS = {"loaded": LOADED, "ringing": RINGING, "overdamped": OVERDAMPED}
-PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)  # m and s: no node of the coarsest mesh, no multiple of a period
-DURATION = 0.14  # s
+PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)
+"""Positions, m, and times, s: at no node of the coarsest mesh, and no multiple of a period."""
+DURATION = 0.14  # Length of the motion, s
 MODES, MESHES = 24, (8, 16, 32)
 QUANTITIES = (
     # name, unit, and the order in which finite elements converge at a place
@@ -115,12 +117,14 @@ QUANTITIES = (
     ("shear force", "N", 1.0),
 )
 RINGING_SHOWS = ("displacement", "slope")
-"""What few modes have of a beam whose waves of all lengths are damped alike: not the velocity of the short ones."""
+"""Quantities that few modes give for a beam whose waves of all lengths are damped alike; velocity needs the short
+waves."""
 TRUNCATION = {"displacement": 2e-6, "velocity": 1e-5, "slope": 5e-5, "bending moment": 1e-5, "shear force": 1e-4}
-"""Of the largest value of its kind: what 24 modes and the static residual leave of waves that a jump sent out."""
-CONSERVED = 1e-7  # relative: quadrature, and rounding of the finite elements' rigid-body modes
-FEW = 3  # modes, of a motion that six waves drive
-SUMMED = 1e-8  # of the same: what the witness leaves out
+"""Error over the largest value of its kind: 24 modes and the static residual lack part of the waves that a jump
+sends out."""
+CONSERVED = 1e-7  # Relative error of quadrature, and rounding of the finite elements' rigid-body modes
+FEW = 3  # Number of modes, of a motion that six waves drive
+SUMMED = 1e-8  # Truncation error of the witness, over the largest value of its kind
 
 
 def found(history: History, x: float, t: float) -> tuple[float, ...]:
@@ -130,7 +134,7 @@ def found(history: History, x: float, t: float) -> tuple[float, ...]:
 
 
 def exact(beam: PinnedBeam, x: float, t: float) -> tuple[float, ...]:
-    """The same by the sum."""
+    """Displacement, velocity, slope, moment and shear force by the sum over the sines."""
     z = (beam.evaluate(x, t), beam.evaluate(x, t, dt=1), beam.evaluate(x, t, dx=1))
     return (*z, beam.moment(x, t), beam.shear(x, t))
 
@@ -158,10 +162,8 @@ def compared(label: str, text: str) -> list[Check]:
 
 
 def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
-    """Centre and turn of a free beam: elastic modes carry neither, so both obey the equations of a rigid body.
-
-    Under viscous damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body.
-    """
+    """Centre and turn of a free beam obey the equations of a rigid body, as elastic modes carry neither.  Under viscous
+    damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body."""
     problem = from_toml(FREE.format(kind=kind, value=value))
     L, m, Y, w, phase, force, at, t = 1.6, 3.768, 1.5e-3, 95.0, 1.1, 42.0, 1.2, DURATION
     # Of a constant acceleration of one, and of a base that moves.
@@ -172,10 +174,7 @@ def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
     gone = t if decay == 0 else (1 - math.exp(-2 * decay * t)) / (2 * decay)
     centre = force / (m * L) * one + (now - begin).imag - leave * gone
     turn = force * (at - L / 2) / (m * L**3 / 12) * one
-    x, weights = np.polynomial.legendre.leggauss(12)
-    edges = np.linspace(0.0, L, 41)
-    half = np.diff(edges)[:, None] / 2
-    places, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * weights).ravel()
+    places, weights = gauss_panels(np.linspace(0.0, L, 41), 12)
     for solver in (analytic.Solver(n_modes=MODES), fe_lapjoint.Solver(elements=MESHES[0])):
         z = solver.simulate(problem, DURATION, errors=False).displacement(places, t)[:, 0]
         for name, unit, value_found, reference in (
@@ -188,12 +187,9 @@ def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
 
 
 def rates() -> Iterator[Check]:
-    """Velocity and acceleration against what they integrate to, with so few modes that the residual counts."""
+    """Velocity and acceleration against their integrals, with few enough modes that the residual counts."""
     problem = from_toml(LOADED)
-    x, w = np.polynomial.legendre.leggauss(20)
-    edges = np.linspace(*TIMES, 201)
-    half = np.diff(edges)[:, None] / 2
-    t, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    t, weights = gauss_panels(np.linspace(*TIMES, 201), 20)
     for solver in (analytic.Solver(n_modes=FEW), fe_lapjoint.Solver(elements=MESHES[0])):
         history = solver.simulate(problem, DURATION, errors=False)
         for name, unit, order in (("velocity", "m", 1), ("acceleration", "m/s", 2)):
@@ -206,7 +202,7 @@ def rates() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """Both beams."""
+    """Three beams on two pins, and a free beam under two kinds of damping."""
     checks = []
     for label, text in BEAMS.items():
         say(label)

@@ -23,8 +23,7 @@ SHAKEN = Problem(
     base_motion=RandomBaseMotion(psd=((LOW, DENSITY), (HIGH, DENSITY)), seed=SEED),
 )
 SOLVERS = {"analytic": {"n_modes": 10}, "fe": {"elements": 12}}
-DURATION = {"quick": 40.0, "standard": 100.0, "full": 600.0}
-"""Of each of `SEEDS` motions, s."""
+DURATION = {"quick": 40.0, "standard": 100.0, "full": 600.0}  # Length of each of `SEEDS` motions, s
 RATE = 150.0
 """Samples a second, Hz: root mean squares have no bias at any rate, and this one is above twice the second mode."""
 SMEARED = 5e-3
@@ -39,14 +38,14 @@ class Quantity:
     name: str
     unit: str
     variable: str
-    """In the dataset of statistics."""
+    """Name in the dataset of statistics."""
     x: float
     """m."""
     exact: float
 
 
 def quantities() -> list[Quantity]:
-    """All of them, by the closed form."""
+    """All root mean squares by the closed form."""
     L, band = BEAM.length, (LOW, HIGH, DENSITY)
     found = []
     for x, where in ((L, "the tip"), (L / 2, "mid-span")):

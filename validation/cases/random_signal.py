@@ -1,8 +1,8 @@
-"""Random excitation as a signal: its spectrum, its integrals over time, and that nothing in it comes twice.
+"""Random excitation as a signal: its spectrum, its integrals over time, and the independence of its parts.
 
-Long stretches of an acceleration of the base and of two forces, all with one seed, are looked at as a laboratory would:
-by root mean squares, by the power in bands, by what lies outside of the band, and by correlations.  A Gaussian signal
-of density S that is watched for a time T has a mean square of relative standard error
+Long stretches of an acceleration of the base and of two forces, all with one seed, are analysed as in a laboratory: by
+root mean squares, by the power in bands and outside of them, and by correlations.  The mean square of a Gaussian signal
+of density S over a time T has the relative standard error
 
     sqrt(integral of S^2 df / T) / integral of S df.
 """
@@ -25,35 +25,34 @@ from validation.statistics_estimates import joint_factor
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 PSD = ((10.0, 2e-3), (40.0, 3e-2), (80.0, 5e-3))
-"""Breakpoints, Hz and g2/Hz or kN2/Hz: so steep that other rules between them come to other powers."""
+"""Breakpoints, Hz and g2/Hz or kN2/Hz: the slopes are so steep that any other interpolation gives other powers."""
 UNITS = {"acceleration": ("g2/Hz", 9.80665), "force": ("kN2/Hz", 1000.0)}
 """Unit of the density, and SI units in its root; the acceleration of free fall is that of the third CGPM, 1901."""
 SEED, RATE = 5, 640.0
-"""The rate, Hz, is eight times the highest frequency: straight lines between samples take off a tenth there."""
+"""Seed, and samples per second, Hz, eight times the highest frequency: straight lines between samples take off a
+tenth there."""
 SAMPLES = {"quick": 2**18, "standard": 2**20, "full": 2**22}
 BANDS = (12.0, 16.0, 20.0, 26.0, 33.0, 40.0, 48.0, 57.0, 67.0, 76.0)
-"""Hz; the ends of the density, where a filter smears, lie outside."""
-SMEARED = 4e-3
-"""Relative, of a root mean square: what the edges, smeared over a twentieth of the lowest frequency, hold too much or
-too little."""
-TWO_SIGMA = 1.96  # standard deviations within which a normal variable is 95 times in 100
-OUTSIDE = (1.25 * PSD[-1][0], RATE / 2)  # Hz, of samples: far from the edge that is smeared
+"""Edges of the bands, Hz; the ends of the density, which a filter smears, lie outside."""
+SMEARED = 4e-3  # Relative error of a root mean square by the edges, smeared over a twentieth of the lowest frequency
+TWO_SIGMA = 1.96  # Standard deviations that a normal variable exceeds 5 times in 100
+OUTSIDE = (1.25 * PSD[-1][0], RATE / 2)  # Range far from the smeared edge, up to half the sample rate, Hz
 LET_THROUGH = 1e-8
-"""Of the largest density: what may pass there.  The filter's own leak is 1e-10 of it; a jump would leave 1e-4."""
+"""Largest power in that range over the largest density.  The filter's own leak is 1e-10 of it; a jump would leave
+1e-4."""
 APART = 5.0
-"""Time, s, after which this signal knows nothing of itself: 50 periods of its lowest frequency, two of which its edges
-take."""
+"""Time, s, after which this signal is uncorrelated with itself: 50 periods of its lowest frequency, two of which its
+edges take."""
 CHANCE = 7.0
-"""Standard deviations of a correlation that chance reaches at none of 1e6 lags, but once in 4e5 cases of this size."""
+"""Standard deviations that no correlation at 1e6 lags exceeds by chance, but once in 4e5 cases of this size."""
 ROUNDING = 1e-10
-"""Relative to its largest value: what is lost in sums of filtered noise, whose taps are as many as samples in 13 s."""
+"""Rounding of sums of filtered noise over its largest value: a filter has as many taps as samples in 13 s."""
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=3), fe_lapjoint.Solver(elements=2))
 BEAM = Beam(length=0.7, bending_stiffness=30.0, mass_per_length=0.9)
 MARCHED, LOOKED_AT, OTHER_RATE = 14.0, 1401, 500.0
-"""Time, s, over which a beam is marched, and the number of times at which it is looked at; samples a second of the
-force on it, Hz: what is random is made in blocks, and handed on in others, some seconds long."""
-SAME = 1e-9
-"""Of the largest: knots of blocks and of records, a rounding apart, over thousands of knots."""
+"""Time over which a beam is marched, s; number of times at which it is evaluated; sample rate of the force on it,
+Hz.  Random signals are generated in blocks, and handed on in other blocks some seconds long."""
+SAME = 1e-9  # Rounding, over the largest value, between thousands of knots of blocks and of records
 
 
 def base(seed: int = SEED) -> RandomBaseMotion:
@@ -73,7 +72,7 @@ def density(measured: str) -> LogLogDensity:
 
 
 def mean_square(knots: FloatArray) -> float:
-    """Of a signal that is linear between samples, shape ``(n,)``."""
+    """Mean square of a signal that is linear between samples, shape (n,)."""
     a, b = knots[:-1], knots[1:]
     return float(np.mean(a * a + a * b + b * b) / 3)
 
@@ -94,7 +93,7 @@ def levels(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
 
 
 def bands(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
-    """The same of the acceleration in bands, with the density that straight lines between samples give."""
+    """Root mean squares of the acceleration in bands, with the density that straight lines between samples give."""
     a, f = base().at(t, 2), np.asarray(np.fft.rfftfreq(t.size, 1 / RATE), dtype=float)
     found = np.abs(np.fft.rfft(a)) ** 2 * (2 / t.size**2) * np.sinc(f / RATE) ** 4
     wanted = density("acceleration").at(f) * (RATE / t.size)
@@ -133,7 +132,7 @@ def outside(t: FloatArray) -> Criterion:
 
 
 def correlations(t: FloatArray) -> Iterator[Criterion]:
-    """The largest correlation, at any lag, of signals that must know nothing of each other, in standard deviations."""
+    """The largest correlation, at any lag, of signals that must be independent, in standard deviations."""
     one, of = base().at(t, 2), density("acceleration")
     others = {
         "base and base, more than 5 s apart": one,
@@ -180,7 +179,7 @@ def edges() -> Iterator[Criterion]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Levels, bands, integrals, leakage, correlations and edges of blocks."""
     t = np.arange(SAMPLES[level]) / RATE
     say(f"{t[-1]:.0f} s of a signal")
     found = [*levels(t), *bands(t)]

@@ -1,11 +1,10 @@
 """One degree of freedom between elastic stops under white noise: density and crossings against the Gibbs density.
 
-The mass is a bar on a pin that hardly bends, its spring a torsional one.  Of its tip u, with m L^3 / 3 = I,
+The mass is a bar on a pin that hardly bends, with a torsional spring.  With m L^3 / 3 = I, its tip u obeys
 
     u'' + (C / m) u' + (kt / I) u + (forces of stops) L^2 / I = -(3/2) a.
 
-Stops of no account, a millionth of a millionth as stiff as the spring, count how often u crosses their gaps, and for
-how long it is beyond.
+Further stops, 1e-12 times as stiff as the spring, count how often u crosses their gaps, and for how long it is beyond.
 """
 
 from __future__ import annotations
@@ -20,44 +19,31 @@ from lapjoint import Beam, Problem, RandomBaseMotion, Stop, Support, ViscousDamp
 from lapjoint.errors import ExcitationWarning
 from validation.case import CaseResult, Level, Say, number, table
 from validation.references.gibbs import Gibbs
+from validation.references.panels import gauss_panels
 from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0
 INERTIA = MASS * LENGTH**3 / 3
 STIFF = 1e7
-"""Bending stiffness, N m2: what the bar bends makes its springs softer by a part of 1e-4, far below any interval here;
-a stiffer one rings so fast that the finite elements take eight times as long."""
+"""Bending stiffness, N m2: bending makes the bar's springs softer by 1e-4, far below any interval here; a stiffer
+bar rings so fast that finite elements take eight times as long."""
 OSCILLATOR = Gibbs(omega=20.0, gamma=4.0, density=0.3, top=(0.05, 3000.0), bottom=(0.03, 900.0))
-LEVELS = (0.0, 0.02)
-"""Further displacements, m, whose crossings are counted."""
-FEATHER = 1e-12
-"""Stiffness of a stop that counts only, over that of the spring at the tip."""
+LEVELS = (0.0, 0.02)  # Further displacements whose crossings are counted, m
+FEATHER = 1e-12  # Stiffness of a stop that only counts crossings, over that of the spring at the tip
 BANDS = ((0.2, 25.0), (0.1, 50.0), (0.05, 100.0), (0.025, 200.0), (0.0125, 400.0))
-"""Bands of the excitation, Hz, of which the first is taken whose bias is small enough."""
-SMALL = 0.2
-"""Part of an interval that the bias of the band may be."""
+"""Bands of the excitation, Hz; the first whose bias is small enough is used."""
+SMALL = 0.2  # Largest bias of the band over an interval
 SEED, SEEDS = 7, 8
-DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}
-"""Of each of `SEEDS` motions, s."""
+DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}  # Length of each of `SEEDS` motions, s
 SOLVERS = {"analytic": {"n_modes": 1}, "fe": {"elements": 1}}
 SHARE = {"analytic": 1.0, "fe": 0.25}
-"""Of the duration, by how much each solver costs; the quick level leaves the finite elements to `random-linear`."""
+"""Share of the duration by the cost of each solver; the quick level leaves the finite elements to `random-linear`."""
 
 
 def bar(band: tuple[float, float]) -> Problem:
-    """The oscillator as a bar.
-
-    Parameters
-    ----------
-    band : tuple of float
-        Where the excitation begins and ends, Hz.
-
-    Returns
-    -------
-    Problem
-        With its stops first, then those that count.
-    """
+    """The oscillator as a bar under excitation in a band of Hz: its elastic stops first, then the stops that count
+    crossings."""
     it, per_mass = OSCILLATOR, INERTIA / LENGTH**2
     spring = it.omega**2 * INERTIA
     density = 4 * math.pi * it.density / 1.5**2  # one-sided, per Hz, of the base
@@ -79,22 +65,10 @@ def bar(band: tuple[float, float]) -> Problem:
 
 
 def bias(band: tuple[float, float]) -> tuple[float, float]:
-    """What a band leaves out of the root mean squares of u and u', measured on the oscillator without stops.
-
-    Parameters
-    ----------
-    band : tuple of float
-        Where it begins and ends, Hz.
-
-    Returns
-    -------
-    float, float
-        Relative to white noise.
-    """
-    x, w = np.polynomial.legendre.leggauss(40)
+    """Error of the root mean squares of u and u' in a band (Hz), relative to white noise, for the oscillator without
+    stops."""
     edges = 2 * math.pi * np.concatenate([np.linspace(band[0], 10.0, 60), np.geomspace(10.0, band[1], 30)[1:]])
-    half = np.diff(edges)[:, None] / 2
-    omega, weight = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    omega, weight = gauss_panels(edges, 40)
     it = OSCILLATOR
     square = 2 * it.density / ((it.omega**2 - omega**2) ** 2 + (it.gamma * omega) ** 2)
     displacement, speed = math.sqrt(weight @ square), math.sqrt(weight @ (omega**2 * square))
@@ -104,26 +78,8 @@ def bias(band: tuple[float, float]) -> tuple[float, float]:
 def shaken(
     solver: str, options: dict[str, int], duration: float, exact: dict[str, float], say: Say
 ) -> tuple[xr.Dataset, tuple[float, float], float]:
-    """Statistics under the first band that leaves out little enough.
-
-    Parameters
-    ----------
-    solver : str
-        Its entry-point name.
-    options : dict
-        Its numerical options.
-    duration : float
-        Of each motion, s.
-    exact : dict of str to float
-        The root mean squares of u and u', by their names in the dataset.
-    say : callable
-        Takes a line of progress.
-
-    Returns
-    -------
-    xarray.Dataset, tuple of float, float
-        The statistics, the band, Hz, and the larger bias of the two over its interval.
-    """
+    """Statistics over `duration` s under the first band that leaves out little enough, that band in Hz, and the larger
+    bias of u and u' over its interval; `exact` holds both root mean squares by their names in the dataset."""
 
     def over_interval(band: tuple[float, float]) -> float:
         return max(left_out / width for left_out, width in zip(bias(band), widths, strict=True))

@@ -27,17 +27,17 @@ SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
 )
 CURVED = 0.2
 """Share of a change that is not proportional to 1 / EI: the next power is smaller by k L^3 / EI, 0.1 at most here."""
-UNSURE = {"velocity": 1.0}
-"""The same where the ringing that an impact leaves shows, which may have any sign."""
-DURATION = 1.2  # s, of the motion from the initial state: two to five excitation periods
-CONTACTS = 4  # compared one by one
-TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # s, at which the motion is compared
-ROUNDING = 1e-8  # of the largest of its kind: what the witness loses by its differences and roots
-CLOSED = 1e-8  # of the motion: ten times what Newton's method leaves at the most
-PASSED = 3  # periods of a march without a deviation
-FOLLOWED, MEASURED = 84, 64  # periods over which a deviation is followed, and the last of them that are measured
-FOLLOWED_IN = "springs"  # the leading multiplier is real there, so that every period has the same growth
-EXACT = 1e-4  # relative: growth along an orbit, from a deviation that 20 periods have turned, against its multiplier
+UNSURE = {"velocity": 1.0}  # The share of a change where the ringing after an impact shows, which may have any sign
+DURATION = 1.2  # Length of the motion from the initial state, s: two to five excitation periods
+CONTACTS = 4  # Contacts compared one by one
+TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # Times at which the motion is compared, s
+ROUNDING = 1e-8  # Error of the witness by its differences and roots, over the largest of its kind
+CLOSED = 1e-8  # Error of the orbit over the motion: ten times what Newton's method leaves at most
+PASSED = 3  # Periods of a march without a deviation
+FOLLOWED, MEASURED = 84, 64
+"""Periods over which a deviation is followed, and how many of them, the last ones, are measured."""
+FOLLOWED_IN = "springs"  # Bar whose leading multiplier is real, so that every period has the same growth
+EXACT = 1e-4  # Relative error of the growth along an orbit, measured after 20 periods, against the multiplier
 
 SPRINGS = """
 title = "Bar on two springs, all loads, two stops"
@@ -163,20 +163,20 @@ class Quantity:
     name: str
     unit: str
     kind: str
-    """What shares one uncertainty: the numbers of a kind are of one size."""
+    """Kind of the number: numbers of a kind are of one size, and share one uncertainty."""
 
 
 @dataclass(frozen=True)
 class Witnessed:
-    """What the witness says of a bar."""
+    """Motion and steady state of a bar by the witness."""
 
     bar: RigidBar
     motion: BarMotion
-    """From the initial state."""
+    """Motion from the initial state."""
     periodic: BarMotion
     """The steady state, over its own period."""
     multiple: int
-    """Excitation periods of that."""
+    """Excitation periods of the steady state."""
 
 
 def witnessed(text: str) -> Witnessed:
@@ -217,7 +217,7 @@ def quantities(it: Witnessed) -> list[tuple[Quantity, float]]:
 
 
 def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]:
-    """The same numbers by a solver, in the same order; NaN for a contact that is not there."""
+    """The numbers of `quantities` by a solver, in their order; NaN for a contact that is missing."""
     found: list[float] = []
     for i in range(len(it.motion.contacts[:CONTACTS])):
         if i < len(history.contacts):
@@ -234,15 +234,13 @@ def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]
 
 
 def _closings(history: History) -> int:
-    """Number of contacts in one period of the motion, one that the section point cuts counted once."""
+    """Number of contacts in one period of the motion; a contact that the section point cuts counts once."""
     return sum(not contact.open_start for contact in history.contacts)
 
 
 def to_the_limit(soft: FloatArray, stiff: FloatArray, kinds: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Numbers of the rigid bar from those of two beams, and their uncertainty.
-
-    What bending does is proportional to 1 / EI, and the uncertainty a part of the largest change of a kind.
-    """
+    """Numbers of the rigid bar from those of two beams, and their uncertainty.  The effect of bending is proportional
+    to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
     change = stiff - soft
     largest = {kind: np.max(np.abs(change[[k == kind for k in kinds]])) for kind in kinds}
     return stiff + change / (RATIO - 1), np.array([UNSURE.get(kind, CURVED) * largest[kind] for kind in kinds])
@@ -283,9 +281,7 @@ def growth_on_orbit(
     label: str, solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, steady: SteadyState
 ) -> Iterator[Check]:
     """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| over time.
-
-    The impulses of the same marches, which the mean over a motion that does not repeat is made of, are compared too.
-    """
+    The impulses of these marches are compared too."""
     period_map = solver.period_map(problem)
     start = steady.section_point
     deviation = np.ones(period_map.difference(start, start).size)

@@ -1,11 +1,11 @@
 """An outside benchmark: Code_Aster's validation case SDND101 (V5.01.101), one mass against one elastic stop.
 
-The mass is a free beam that hardly bends, over a spring and a stop at its middle: it starts with one velocity all along
-and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
+The mass is a free beam that hardly bends, over a spring and a stop at its middle.  It starts with one velocity all
+along and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
 
-    z = v sin(omega t) / omega,
+    z = v sin(omega t) / omega.
 
-so that the contact lasts pi / omega, the force is k_stop v / omega at most, and its impulse 2 k_stop v / omega^2.
+The contact lasts pi / omega, the largest force is k_stop v / omega, and the impulse is 2 k_stop v / omega^2.
 """
 
 from __future__ import annotations
@@ -27,16 +27,15 @@ QUANTITIES = {"peak force": ("N", "peak_force"), "time in contact": ("s", "conta
 """Unit, and key in the references."""
 SOFT = 1e8
 """Bending stiffness, N m2, of the softer of two beams of 1 m; the other is `RATIO` times as stiff."""
-ROUNDING = 1e-10  # relative: solvers find a switch and an extremum to rounding
+ROUNDING = 1e-10  # Relative error to which solvers find a switch and an extremum
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=8),
     fe_lapjoint.Solver(elements=2),
 )
-NOT_CONFIRMED = "impulse"
-"""What the document's own equation does not give to the digits printed."""
+NOT_CONFIRMED = "impulse"  # Quantity that the document's own equation does not give to the digits printed
 MISPRINT = (1.0e-4, 2.0e-4)
-"""Relative: by so much the printed impulse exceeds the one that the document's equation, force and time in contact
-give; outside, the explanation of the difference would be another."""
+"""Range of the relative excess of the printed impulse over the impulse by the document's equation, force and time in
+contact; outside of it the difference would need another explanation."""
 
 
 @dataclass(frozen=True)
@@ -59,18 +58,7 @@ class Mass:
         return self.stop * self.speed / omega, math.pi / omega, 2 * self.stop * self.speed / omega**2
 
     def beam(self, bending_stiffness: float) -> Problem:
-        """The mass as a beam.
-
-        Parameters
-        ----------
-        bending_stiffness : float
-            EI, N m2.
-
-        Returns
-        -------
-        Problem
-            1 m long, with spring and stop at its middle.
-        """
+        """The mass as a beam 1 m long of bending stiffness EI, N m2, with spring and stop at its middle."""
         return Problem(
             title="SDND101 (V5.01.101): a mass thrown against an elastic stop",
             beam=Beam(length=1.0, bending_stiffness=bending_stiffness, mass_per_length=self.mass),

@@ -16,10 +16,11 @@ from validation.case import CaseResult, Level, Say, table
 from validation.ledger.curves import Curve
 from validation.verdict import Criterion
 
-RATIO = 0.08  # modal damping of the paper's joint
-PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}  # and how far around each to look, rad/s
-WINDOWS = (1398.5, 2060.5, 2160.5)  # rad/s, where the paper's motions do not settle
-SYMMETRIC = 1e-3  # of the larger impulse: what the two tip stops may differ by
+RATIO = 0.08  # Modal damping ratio of the paper's joint
+PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}
+"""Frequencies of the peaks, and the half width in which each is sought, rad/s."""
+WINDOWS = (1398.5, 2060.5, 2160.5)  # Frequencies at which the paper's motions do not settle, rad/s
+SYMMETRIC = 1e-3  # Largest difference of the two tip stops' impulses over the larger impulse
 LIGHT = "viscous damping"
 WORKERS = 2
 
@@ -34,7 +35,7 @@ def scaled(problem: Problem, **factors: float) -> Problem:
 
 
 def viscous() -> Problem:
-    """The joint with equation (1) taken literally: C as large as the ratio asks for in the first free mode."""
+    """The joint with equation (1) taken literally: C is as large as the ratio requires in the first free mode."""
     problem = paper_joint()
     omega = float(analytic.Solver().modes(problem, FREE, 1).angular_frequencies[0])
     return problem.replace(damping=ViscousDamping(coefficient=2 * RATIO * omega * problem.beam.m))
@@ -53,7 +54,7 @@ VARIANTS: dict[str, Callable[[], Problem]] = {
 
 @dataclass(frozen=True)
 class Findings:
-    """What the base case shows, in a variant."""
+    """The findings of the base case, in a variant."""
 
     peaks: tuple[tuple[float, float], ...]
     """Frequency, rad/s, and tip impulse, N s, of the three peaks."""
@@ -146,7 +147,7 @@ def shown(it: Findings) -> tuple[str, ...]:
 
 
 def criteria(found: dict[str, Findings], by_fe: Findings | None) -> list[Criterion]:
-    """What has to hold for a finding to be called robust; and the two solvers on the variant that differs most."""
+    """Conditions for a finding to be called robust, and the two solvers on the variant that differs most."""
     base = next(iter(found.values()))
     light = found[LIGHT]
     result = []

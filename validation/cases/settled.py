@@ -1,8 +1,8 @@
 """Does a march from rest end on the motion that the search certifies?
 
-A search that accepts a motion too early, or one that is unstable, or takes a symmetry for granted that is not there,
-may be wrong in both solvers alike, for they share it.  So each solver is judged by its own march here: by `simulate`,
-which knows neither orbits nor Newton's method, over so many decay times that nothing of the transient is left.
+A search that accepts a motion too early, accepts an unstable motion, or assumes a symmetry that does not exist may be
+wrong in both solvers alike, for they share it.  Each solver is therefore judged by its own march: by `simulate`, which
+knows neither orbits nor Newton's method, over enough decay times that nothing of the transient is left.
 """
 
 from __future__ import annotations
@@ -24,16 +24,17 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 SOLVERS: tuple[Solver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3))
-"""Coarse ones will do: each is compared with itself."""
+"""Coarse solvers, for each is compared with itself alone."""
 DECAY_TIMES = 20.0
-"""Of the slowest free vibration, that are marched: exp(-20) = 2e-9 of a transient is left, and more where a motion with
-contacts is slower than free vibration: the multiplier of the slowest one here, 0.93 over three periods, leaves less."""
-WATCHED = 24  # periods at the end of a march whose ends are compared
-LONGEST = 8  # periods after which a motion may repeat
-SAME = 1e-3  # of the size of the motion: section points nearer than this are one; those of other phases differ by more
-EQUAL = 1e-4  # relative, of impulses of the same orbit, one marched and one found; coarse modes leave jumps at switches
-POINTS = 9  # along the beam, at which section points are compared
-WITNESS = 0.05  # of the motion: what six modes, or three elements, lose of energy and impulses
+"""Length of a march in decay times of the slowest free vibration: exp(-20) = 2e-9 of its transient is left.  A
+motion with contacts may be slower than free vibration; the slowest multiplier here, 0.93 over three periods, leaves
+less."""
+WATCHED = 24  # Periods at the end of a march whose section points are compared
+LONGEST = 8  # Largest period multiple of a motion that is tried
+SAME = 1e-3  # Distance over the size of the motion below which two section points are one; other phases differ by more
+EQUAL = 1e-4  # Relative difference of impulses of an orbit marched and found; coarse modes leave jumps at switches
+POINTS = 9  # Points along the beam at which section points are compared
+WITNESS = 0.05  # Loss of energy and impulses with six modes, or three elements, over the motion
 
 JOINT = """
 title = "{title}"
@@ -59,7 +60,7 @@ side = "{side}"
 gap = {gap}
 stiffness = {stiffness}
 """
-FIRST = 3.5160152685  # rad/s, of the cantilever
+FIRST = 3.5160152685  # First natural frequency of the cantilever, rad/s
 
 
 def joint(title: str, times: float, ratio: float, *stops: tuple[float, str, float, float]) -> Problem:
@@ -82,20 +83,20 @@ JOINTS = {
         "Equal gaps, light damping", 2.555, 0.02, (1.0, "top", 9.873e-4, 100.0), (1.0, "bottom", 9.873e-4, 100.0)
     ),
 }
-"""Of the first, a stable motion without contact exists, and the march seems near it early on.  Of the second, a stable
-motion of one period exists, but rest is not in its basin.  Of the third, no motion mirrors itself; that of the fourth
-does, and a search that misses that says that its motion is not symmetric, though half of it mirrors the other half."""
+"""The first has a stable motion without contact, near which a march seems to be early on.  The second has a stable
+motion of one period, but rest is not in its basin.  No motion of the third mirrors itself.  The motion of the fourth
+mirrors itself, and a search that misses this calls it not symmetric."""
 
 CHAOTIC = {"chaos": joint("Never the same again", 5.8, 0.008, (1.0, "top", 6e-3, 200.0))}
-"""Its exponent is ten standard errors above zero, and no stable motion was found beside it."""
+"""A joint whose exponent is ten standard errors above zero, and beside whose motion no stable motion was found."""
 
 FINE: dict[str, Solver] = {
     SOLVERS[0].name: analytic.Solver(n_modes=24),
     SOLVERS[1].name: fe_lapjoint.Solver(elements=12),
 }
-"""Four times as fine: their own errors are a sixteenth at the most, for errors fall with the second power or faster."""
-ESTIMATED = ("uneven",)  # joints whose stated errors are looked at: the orbit is the same at every resolution
-LAVISH = 60.0  # times the true error that the stated one may be: it is a bound, but one that says something
+"""Solvers four times as fine: their errors are a sixteenth at most, for errors fall with the second power or faster."""
+ESTIMATED = ("uneven",)  # Joints whose stated errors are judged: the orbit is the same at every resolution
+LAVISH = 60.0  # Largest stated error over the true one: the stated error is a bound, but must be informative
 
 
 @dataclass(frozen=True)
@@ -111,13 +112,13 @@ class End:
 
 
 def decay_time(problem: Problem) -> float:
-    """Of the slowest free vibration, s."""
+    """Decay time of the slowest free vibration, s."""
     assert isinstance(problem.damping, ModalDamping)
     return 1 / (float(problem.damping.ratios(1)[0]) * FIRST)
 
 
 def end_of_march(solver: Solver, problem: Problem) -> End:
-    """March from rest until nothing of the transient is left, and see what is left instead."""
+    """The end of a march from rest that is so long that nothing of the transient is left."""
     period = problem.require_excitation_period("march")
     # as many periods as a motion of any of the multiples goes into
     periods = math.ceil(DECAY_TIMES * decay_time(problem) / period) + WATCHED
@@ -128,7 +129,7 @@ def end_of_march(solver: Solver, problem: Problem) -> End:
 
 
 def repeats(history: History, periods: int, period: float) -> int:
-    """After how many excitation periods the last section points come again; 0 if they do not after `LONGEST`."""
+    """The period multiple of the last section points; 0 if they do not repeat within `LONGEST` periods."""
     x = np.linspace(0.0, history.problem.beam.length, POINTS)
     t = period * np.arange(periods - WATCHED, periods + 1, dtype=float)
     points = np.concatenate([history.displacement(x, t), history.velocity(x, t) * period / (2 * math.pi)])
@@ -138,7 +139,7 @@ def repeats(history: History, periods: int, period: float) -> int:
 
 
 def impulses_after(history: History, start: float) -> FloatArray:
-    """Impulse of each stop from a time on, N s; of a contact that the time cuts, the integral of its force."""
+    """Impulse of each stop from a time on, N s; a contact that the time cuts counts by the integral of its force."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         if contact.start >= start:
@@ -169,7 +170,7 @@ def compared(label: str, solver: Solver, steady: SteadyState, end: End) -> Itera
 
 
 def lasting(label: str, solver: Solver, problem: Problem) -> Iterator[Check | Criterion]:
-    """A motion that does not repeat, against the end of a march, and how long it was seen not to repeat."""
+    """A motion that does not repeat, against the end of a march, and the time over which it was seen not to repeat."""
     steady, end = solver.steady_state(problem, sensitivity=False, errors=False), end_of_march(solver, problem)
     found = Estimate(float(steady.period_multiple), 0.0, "search")
     marched = Estimate(float(end.multiple), 0.0, f"march of {end.periods} periods", Kind.ANALYTICAL)

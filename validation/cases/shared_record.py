@@ -1,9 +1,9 @@
 """Both solvers under one random excitation: the same contacts until chaos parts them, the same statistics beyond.
 
 A cantilever between two stiff stops is shaken at random.  Nearby motions part exponentially, so the error of each
-solver grows, too, until it is as large as the motion.  A twin, the motion of one solver from an initial state that is
-moved by next to nothing, shows at what rate: the mean largest Lyapunov exponent over that stretch of that excitation.
-The two solvers must part as fast.
+solver grows until it is as large as the motion.  A twin, the motion of one solver from a slightly displaced initial
+state, shows the rate: the mean largest Lyapunov exponent over that stretch of the excitation.  The two solvers must
+part at this rate.
 """
 
 from __future__ import annotations
@@ -32,56 +32,40 @@ from validation.case import CaseResult, Level, Say, number, table
 from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Criterion, Estimate
 
-GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4  # m, N/m: 50 times as stiff as the beam
-LOW, HIGH, DENSITY = 3.0, 60.0, 4.0  # Hz and (m/s2)^2/Hz, of the base; the lowest mode has 5.6 Hz
+GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4
+"""Gaps, m, and stiffness of the stops, N/m: 50 times as stiff as the beam."""
+LOW, HIGH, DENSITY = 3.0, 60.0, 4.0
+"""Band, Hz, and density, (m/s2)^2/Hz, of the base's acceleration; the lowest mode has 5.6 Hz."""
 SEEDS = (1, 2, 3, 5)
-"""Of the excitations under which motions are followed until they part.  Statistics are of motions under the first.
-Under that of seed 4 the 52nd contact is a graze, which one solver has and the other has not."""
-FOLLOWED = 2.0  # s: the motions have parted after 0.9 to 1.5 s
+"""Seeds of the excitations under which motions are followed until they part; statistics are of motions under the first.
+Under seed 4 the 52nd contact is a graze, which only one solver finds."""
+FOLLOWED = 2.0  # Length of the motions that are followed, s: they have parted after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
-"""For these: both state their errors."""
+"""Solvers for the motions until they part: both state their errors."""
 MOVED = 1e-6
-"""Initial velocity of the tip of the twin, m/s: its distance is a tenth of the solvers' at first, 1e-7 m, and a million
-times what rounding makes."""
-PARTED = 1e-4
-"""Distance of two motions, m, up to which it grows as small ones do: a twentieth of a gap."""
-KNOWN = 2e-3
-"""Largest stated error of the start of a contact, s, up to which it is compared: contacts last 11 ms on average."""
-FEWEST = 30
-"""Contacts that must be known so well before chaos parts the motions; there are 44 to 89."""
-BEGUN = 0.2  # s: the first contacts are over
-STEP = 0.02  # s, between two looks at the distance
-PLACES = np.linspace(0.2, 1.0, 5)  # m, at which it is looked at
-WITHIN = np.linspace(-0.05, 0.0, 6)  # s, over which it is taken together: part of a swing of the beam
-LINES = 2.0
-"""Departures from a straight line by which the growth of a distance between two times may be off: one at each end."""
-LEAST_GROWTH = 30.0
-"""Times that the distance must have grown, for its rate to be one."""
+"""Initial velocity of the tip of the twin, m/s: its distance is 1e-7 m at first, a tenth of that of the solvers, and
+a million times rounding."""
+PARTED = 1e-4  # Largest distance of two motions, m, that grows as a small one: a twentieth of a gap
+KNOWN = 2e-3  # Largest stated error of the start of a contact that is compared, s: contacts last 11 ms on average
+FEWEST = 30  # Least number of contacts with such an error before chaos parts the motions; there are 44 to 89
+BEGUN = 0.2  # Time after which the first contacts are over, s
+STEP = 0.02  # Time between two measurements of the distance, s
+PLACES = np.linspace(0.2, 1.0, 5)  # Positions at which the distance is measured, m
+WITHIN = np.linspace(-0.05, 0.0, 6)
+"""Times relative to a measurement over which the distance is a root mean square, s: part of a swing of the beam."""
+LINES = 2.0  # Departures from a straight line by which the growth between two times may be off: one at each end
+LEAST_GROWTH = 30.0  # Least growth of the distance for which a rate is fitted
 COARSE = {"analytic": {"n_modes": 12}, "fe": {"elements": 8}}
 DURATION = {"quick": 110.0, "standard": 400.0, "full": 1500.0}
-"""s, of which seven decay times, 7 s, are left out: the solvers have parted by then."""
-TRUNCATED = 5e-3
-"""Relative: what the coarse solvers leave of the motion."""
+"""Length, s, of which seven decay times, 7 s, are left out: the solvers have parted by then."""
+TRUNCATED = 5e-3  # Relative discretisation error of the coarse solvers
 TOGETHER = 0.999
-"""Probability with which all intervals are to hold together.  Chaos makes other motions of other rounding, and so each
-kind of processor draws anew."""
+"""Probability with which all intervals hold together.  Chaos amplifies rounding, so that each kind of processor is a
+new draw."""
 
 
 def joint(seed: int, moved: float = 0.0) -> Problem:
-    """The beam.
-
-    Parameters
-    ----------
-    seed : int
-        Of the excitation.
-    moved : float
-        Initial velocity of its tip, m/s.
-
-    Returns
-    -------
-    Problem
-        1 m long.
-    """
+    """The beam, 1 m long, under the excitation of a seed; `moved` is the initial velocity of its tip, m/s."""
     return Problem(
         title="Cantilever between two stiff stops under random motion of its base",
         beam=Beam(length=1.0, bending_stiffness=100.0, mass_per_length=1.0),
@@ -94,7 +78,7 @@ def joint(seed: int, moved: float = 0.0) -> Problem:
 
 
 def known(motions: tuple[History, History]) -> list[int]:
-    """The contacts, from the first on, of which both solvers know the start to `KNOWN`."""
+    """Indices of the contacts, from the first on, whose start both solvers know to `KNOWN`."""
     found = []
     for i, pair in enumerate(zip(*(motion.contacts for motion in motions), strict=False)):
         if max(math.inf if c.start_error is None else c.start_error for c in pair) > KNOWN:
@@ -127,11 +111,11 @@ class Growth:
     """How a distance grows."""
 
     rate: float
-    """1/s."""
+    """Rate of the exponential, 1/s."""
     uncertainty: float
-    """Of the rate, 1/s."""
+    """Uncertainty of the rate, 1/s."""
     times: float
-    """What the straight line grows by from the first time to the last."""
+    """Growth of the straight line's exponential from the first time to the last."""
 
 
 def growth(t: FloatArray, distances: FloatArray) -> Growth:
@@ -145,7 +129,7 @@ def growth(t: FloatArray, distances: FloatArray) -> Growth:
 
 
 def parting(seed: int, motions: tuple[History, History], twin: History) -> tuple[Growth, Growth, float]:
-    """How fast the solvers part, how fast the twins, and when the solvers have parted, s."""
+    """Growth of the distance of the solvers, of the twins, and the time at which the solvers have parted, s."""
     t = np.arange(BEGUN, FOLLOWED, STEP)
     apart, twins = distance(*motions, t), distance(motions[0], twin, t)
     beyond = np.flatnonzero(np.maximum(apart, twins) > PARTED)
@@ -154,7 +138,8 @@ def parting(seed: int, motions: tuple[History, History], twin: History) -> tuple
 
 
 def parted(motions: dict[int, tuple[History, History, History]]) -> Iterator[Check | Criterion]:
-    """The rate at which the solvers part, against that of twins, under each excitation, and under all of them."""
+    """The rate at which the solvers part, against the rate of the twins, under each excitation, and under all of
+    them."""
     spans, logs, errors = [], [], []
     for seed, (own, other, twin) in motions.items():
         solvers, twins, until = parting(seed, (own, other), twin)
@@ -194,7 +179,7 @@ def beyond(level: Level, say: Say) -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Contacts, parting, and statistics of motions under shared excitations."""
     items: list[Check | Criterion] = []
     motions = {}
     for seed in SEEDS:

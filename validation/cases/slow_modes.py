@@ -1,7 +1,7 @@
-"""Contacts of bars that do not ring: with an overdamped mode, and with one that no spring holds.
+"""Contacts of bars that do not ring: with an overdamped mode, and with a mode that no spring holds.
 
-Such modes have formulas of their own in each solver: in the march, in the search for contacts, and in what deviations
-do.  Both solvers are fine enough here to leave nothing else between them.
+Each solver has special formulas for these modes: in the march, in the search for contacts, and for deviations.  Both
+solvers are fine enough here that only these formulas can differ.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from validation.cases.rigid_bar import MIRROR, SOFT
 from validation.verdict import Check, Estimate, Kind
 
 SLUGGISH = MIRROR.replace("coefficient = 6.0", "coefficient = 150.0").replace("amplitude = 2e-3", "amplitude = 2e-2")
-"""The first mode is damped more than critically: 2 m omega = 92 N s/m2."""
+"""A bar whose first mode is damped more than critically: 2 m omega = 92 N s/m2."""
 HINGED = (
     MIRROR.replace("torsional = 600.0\n", "")
     + """
@@ -28,12 +28,12 @@ x = 1.0
 force = 4.0
 """
 )
-"""A load presses it against one of the stops, from which the base throws it off."""
+"""A bar that a load presses against one of the stops, from which the base throws it off."""
 BARS = {"sluggish": SLUGGISH, "hinged": HINGED}
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=12), fe_lapjoint.Solver(elements=4))
-DURATION = 1.2  # s
-CONTACTS = 4  # compared one by one
-FINE = 1e-5  # of the largest of a kind: what modes and elements leave; a nearly rigid bar's bending is small itself
+DURATION = 1.2  # Length of the motion, s
+CONTACTS = 4  # Contacts compared one by one
+FINE = 1e-5  # Error of modes and elements over the largest of a kind; the bending of a nearly rigid bar is small itself
 QUANTITIES = (("stop", "1"), ("impact", "s"), ("rebound", "s"), ("impulse", "N s"), ("peak force", "N"))
 
 

@@ -1,9 +1,9 @@
-"""What is read off a motion: statistics, summaries of steady states and time series, by plain sums and closed forms.
+"""Statistics, summaries of steady states and time series of a motion, by plain sums and closed forms.
 
-`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here the same motions are there as a whole,
-are sampled densely, and are summed up by numpy; intervals are those of the textbooks.  A steady state without contact
-is a sine of known amplitude; one with contacts is summed up from its own samples.  Time series of a beam on two pins
-are compared with the sum over its sines.
+`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here numpy sums up the whole motion, densely
+sampled, with the textbooks' intervals.  A steady state without contact is a sine of known amplitude; a steady state
+with contacts is summed up from its own samples.  Time series of a beam on two pins are compared with the sum over its
+sines.
 """
 
 from __future__ import annotations
@@ -32,16 +32,15 @@ from validation.references.summed_up import Touch, of_counts, of_reciprocal_root
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 LENGTH, BREADTH, HEIGHT, MODULUS, HEAVY = 0.8, 0.03, 0.008, 2.1e11, 7850.0
-"""Of the beam, m, Pa and kg/m3."""
+"""Length, breadth and height, m, modulus, Pa, and density, kg/m3, of the beam."""
 BENDING, MASS = MODULUS * BREADTH * HEIGHT**3 / 12, HEAVY * BREADTH * HEIGHT
 LOWEST = 1.875104068711961**2 * math.sqrt(BENDING / MASS) / LENGTH**2
 """Lowest angular frequency of a cantilever, rad/s: R. D. Blevins, Formulas for Natural Frequency and Mode Shape, 1979,
 table 8-1."""
 DAMPING = 0.05
 PLACES = {"mid-span": LENGTH / 2, "three quarters": 0.75 * LENGTH}
-SEED, SEEDS, UNITS = 3, 2, 9
-"""Realisations, and units of each."""
-DURATION = 58.0  # s: seven decay times are left out, and `UNITS` of twenty fit in the rest
+SEED, SEEDS, UNITS = 3, 2, 9  # Seed, number of realisations, and units of each realisation
+DURATION = 58.0  # Length, s: seven decay times are left out, and `UNITS` of twenty fit in the rest
 SOLVER = {"n_modes": 4}
 SHAKEN = """
 title = "Cantilever between three stops, base and tip shaken at random"
@@ -86,27 +85,22 @@ x = {length}
 force = 3.0
 """
 LOAD_SEED = 40
-DENSE = 4096.0
-"""Samples of the witness, Hz: 11 in a period of the fastest of four modes."""
+DENSE = 4096.0  # Sample rate of the witness, Hz: 11 samples in a period of the fastest of four modes
 SPARSE = 64.0
-"""Samples of the statistics, Hz: six in a period of the slowest mode, so that few are near a peak."""
-SURE = 4.0
-"""Standard deviations by which sparse samples may be off: once in 16 000 times."""
-ROUNDING = 1e-9
-"""Relative: the same march, looked at once as a whole and once in stretches."""
-PEAK = 2e-3
-"""Relative: what is left of a peak between dense samples, or samples that are refined around the largest one."""
-SAME_BATCHES = 0.2
-"""Relative, of the width of an interval: from sparse samples or from dense ones, with what sparse ones add."""
+"""Sample rate of the statistics, Hz: six in a period of the slowest mode, so that few samples are near a peak."""
+SURE = 4.0  # Standard deviations by which sparse samples may be off: chance exceeds it once in 16 000 times
+ROUNDING = 1e-9  # Relative rounding between a march evaluated as a whole and in stretches
+PEAK = 2e-3  # Relative error of a peak between dense samples, or between samples refined around the largest one
+SAME_BATCHES = 0.2  # Relative difference of the widths of intervals from sparse samples and from dense ones
 STEADY = ShakenCantilever(length=0.9, stiffness=40.0, mass=0.8, damping=9.0)
-AMPLITUDE, OMEGA = 2e-3, 37.0  # m and rad/s, of its base
+AMPLITUDE, OMEGA = 2e-3, 37.0  # Amplitude, m, and frequency, rad/s, of the base's motion
 LEFT_OUT = 1e-4
-"""Of the largest of its kind: what 24 modes, and the static residual, leave of a harmonic motion far below the last."""
-MIDPOINTS = 2**15
-"""Dense samples of a period: where a force has a kink at a switch, the sum is off by 1e-8."""
-BY_MIDPOINTS = 1e-5
-"""Relative: a margin over that."""
-SERIES_RATE, SERIES_DURATION = 700.0, 0.14  # Hz, s: no whole number of samples between any two phases of a load
+"""Error of 24 modes and the static residual for a harmonic motion far below the last mode, over the largest of its
+kind."""
+MIDPOINTS = 2**15  # Dense samples of a period: where a force has a kink at a switch, the sum is off by 1e-8
+BY_MIDPOINTS = 1e-5  # Relative tolerance of the midpoint sums, a margin over 1e-8
+SERIES_RATE, SERIES_DURATION = 700.0, 0.14
+"""Sample rate, Hz, and length, s: no two phases of a load are a whole number of samples apart."""
 
 
 def problem(realisation: int) -> Problem:
@@ -132,16 +126,16 @@ class Plain:
 
     motion: History
     start: float
-    """What comes before it is left out, s."""
+    """Time before which the motion is left out, s."""
 
     @cached_property
     def t(self) -> FloatArray:
-        """Times of the samples, s."""
+        """Times of the samples, s, shape (m,)."""
         return np.arange(math.ceil(self.start * DENSE), math.floor(self.motion.end * DENSE)) / DENSE
 
     @cached_property
     def samples(self) -> dict[str, FloatArray]:
-        """By the name of the quantity, shape ``(places, m)``."""
+        """Samples by the name of the quantity, shape (places, m)."""
         z = {(dx, dt): self.motion.evaluate(np.array(list(PLACES.values())), self.t, dx, dt) for dx, dt in self._needed}
         base = self.motion.problem.base_motion
         assert base is not None
@@ -166,7 +160,7 @@ class Plain:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """Its contacts."""
+        """Contacts of the motion."""
         found = []
         for it in self.motion.contacts:
             stop = self.motion.problem.stops[it.stop]
@@ -203,7 +197,7 @@ def of_places(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Itera
 
 
 def sampled(batches: FloatArray, off: float) -> FloatArray:
-    """Student's interval, wider by what sparse samples add to the standard error of the mean."""
+    """Student's interval, widened by the error of the mean of sparse samples."""
     low, high = student(batches)
     wider = math.sqrt(1 + batches.size * off**2 / float(np.var(batches, ddof=1)))
     return np.asarray((low + high) / 2 + wider * (high - low) / 2 * np.array([-1.0, 1.0]))
@@ -215,7 +209,8 @@ def batched(t: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArray:
 
 
 def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterator[Check]:
-    """Rates, shares of time, impulses and forces of each stop, with intervals, and what exceeds an edge."""
+    """Rates, shares of time, impulses and forces of each stop, with intervals, and the rate of peak forces above each
+    edge."""
     unit = edges[1] - edges[0]
     for k, stop in enumerate(plain[0].motion.problem.stops):
         where = f"of stop {k + 1}"
@@ -252,7 +247,7 @@ def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterat
 
 
 def close(found: xr.Dataset, name: str, unit: str, value: float, u: float, where: str, **at: float) -> Check:
-    """A value of the dataset against that of the plain sums."""
+    """A value of the dataset against the value of the plain sums."""
     a = Estimate(float(chosen(found[name], at)), 0.0, "statistics, in stretches")
     return Check(f"{name.replace('_', ' ')} {where}", unit, a, Estimate(value, u, "plain sums", Kind.ANALYTICAL))
 
@@ -267,12 +262,12 @@ def wide(found: xr.Dataset, name: str, unit: str, ends: FloatArray, where: str, 
 
 
 def chosen(values: xr.DataArray, at: dict[str, float]) -> xr.DataArray:
-    """At a place, or of a stop."""
+    """The values at a position, or of a stop."""
     return values.sel(at, method="nearest") if "x" in at else values.isel({k: int(v) for k, v in at.items()})
 
 
 def of_units(found: xr.Dataset) -> Iterator[Check | Criterion]:
-    """How long units are against the time in which the slowest mode decays, and how much is left out."""
+    """Length of the units against the decay time of the slowest mode, and the length that is left out."""
     decay = 1 / (DAMPING * LOWEST)
     yield Criterion("units", "1", float(found.attrs["units"]), SEEDS * UNITS, SEEDS * UNITS, "as many fit")
     for name, most in (("unit_duration", 20.0), ("settle", 7.0)):
@@ -375,7 +370,7 @@ def forces(plain: Plain) -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Statistics, steady states and time series."""
     say(f"statistics of {SEEDS} motions")
     found = statistics(
         problem(0),

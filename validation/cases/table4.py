@@ -14,11 +14,11 @@ from validation.references.reading import Printed, group
 from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, ErrorSource, Estimate
 
-MODES = 8  # lowest ones of each state
-STIFFNESSES = (5.0, 1200.0, 5000.0)  # k / (3 EI / L^3)
+MODES = 8  # Number of the lowest modes of each state
+STIFFNESSES = (5.0, 1200.0, 5000.0)  # Stiffnesses k* = k / (3 EI / L^3)
 PRINTED = {5.0: group("table 4, k* = 5"), 5000.0: group("table 4, k* = 5000")}
 """Table 4, rad/s, as printed: by k*, and by states with equal springs."""
-MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}  # k*, state, mode index
+MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}  # Misprints of Table 4 by k*, state and mode index
 
 
 def numbers(states: str) -> tuple[int, ...]:

@@ -15,8 +15,8 @@ from validation.references.reading import Printed, group, group_names
 from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, Estimate, Kind
 
-EXACT = 4e-15  # relative: some roundings of either root finder
-ROUNDING_OF_EIGENVALUES = 1e-9  # relative: what the finite element eigenvalues cannot show
+EXACT = 4e-15  # Relative rounding of either root finder
+ROUNDING_OF_EIGENVALUES = 1e-9  # Relative rounding of the finite element eigenvalues
 
 
 def parameters(solver: Solver, beam: Textbook) -> tuple[float, ...]:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WITNESS_TOLERANCE = 2e-5
-"""Relative to the size of the motion: what truncation and element interpolation leave at the finest level here."""
+"""Error of truncation and of element interpolation at the finest level here, over the size of the motion."""
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -72,7 +72,7 @@ def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
 
 
 def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
-    """Energy in the joint, what the base has supplied, and so what damping has taken, as the witness sees them."""
+    """Energy in the joint, supply by the base, and so dissipation by damping, as the witness computes them."""
     t = np.linspace(exact.start, min(exact.end, fe.end), 600)
 
     def paint(axes: Axes) -> None:

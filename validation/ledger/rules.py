@@ -18,7 +18,7 @@ Numbers = Mapping[str, float]
 
 
 class Ruling(Enum):
-    """What becomes of a claim."""
+    """Ruling on a claim."""
 
     CONFIRMED = "confirmed"
     MISPRINT = "misprint"
@@ -35,20 +35,22 @@ class Rule:
     """Takes the numbers of the claim by name."""
 
 
-SLIP = 2.0  # units of the last digit, by which a misprinted number may be off; farther off it is overturned
-READING = 3.0  # rad/s: frequencies that the text gives by whole offsets from peaks read off a curve
-SAME_PEAK = 0.01  # of its frequency: a peak read off a curve that is 50 to 400 rad/s wide at half its height
-PAST_AXIS = 1.05  # of the axis: what a drawn curve may stand out
-ENOUGH_TRAVEL = 1e-6  # of a gap: what may be travelled within the interval of an event
-SAME_AMPLITUDE = 1e-3  # of the integrated amplitude
-STANDS_OUT = 2.0  # times as steep as the converged curve: a jump that the converged curve has not
-ALIKE = 0.05  # relative: what two solvers on one grid of frequencies may differ by and still say one thing
-BOUND = 0.01  # of a stated bound, by which it may be exceeded
-EVEN = 1e-3  # of the larger impulse: what the two tip stops may differ by
-OFTEN = 0.05  # of the frequencies
-IN_PHASE, AS_LARGE = 30.0, 0.3  # degrees and of the base's amplitude: what counts as a repetition of the excitation
-MOST_OF = 0.75  # of the printed frequencies: how many one density must give
-NEARLY_ALL = 0.02  # of the curve: how much of it may be off where modes are said to be enough
+SLIP = 2.0  # Largest error of a misprinted number, in units of its last digit; a larger error overturns the number
+READING = 3.0  # Error of frequencies that the text gives as whole offsets from peaks read off a curve, rad/s
+SAME_PEAK = 0.01
+"""Relative error of a peak frequency read off a curve whose peaks are 50 to 400 rad/s wide at half height."""
+PAST_AXIS = 1.05  # Largest value of a drawn curve over the end of its axis
+ENOUGH_TRAVEL = 1e-6  # Largest travel within the interval of an event, over a gap
+SAME_AMPLITUDE = 1e-3  # Largest difference over the integrated amplitude
+STANDS_OUT = 2.0  # Least steepness of a jump over that of the converged curve, which has no jump
+ALIKE = 0.05  # Largest relative difference of two solvers on one grid of frequencies that agree
+BOUND = 0.01  # Largest excess over a stated bound, over the bound
+EVEN = 1e-3  # Largest difference of the two tip stops' impulses over the larger impulse
+OFTEN = 0.05  # Least share of the frequencies that is called often
+IN_PHASE, AS_LARGE = 30.0, 0.3
+"""Largest lag, degrees, and change of the amplitude over the base's, that count as a repetition of the excitation."""
+MOST_OF = 0.75  # Least share of the printed frequencies that one density must give
+NEARLY_ALL = 0.02  # Largest share of the curve that may be off where modes are said to be enough
 
 
 def _both(numbers: Numbers, name: str) -> tuple[float, float]:
@@ -56,7 +58,7 @@ def _both(numbers: Numbers, name: str) -> tuple[float, float]:
 
 
 def _decided(here: bool, there: bool, yes: Ruling, no: Ruling) -> Ruling:
-    """What both solvers say; undecidable where they say different things."""
+    """Ruling of both solvers; undecidable where they differ."""
     if here != there:
         return Ruling.UNDECIDABLE
     return yes if here else no
@@ -213,7 +215,7 @@ RULES = {
     "phase lag": Rule(f"within {IN_PHASE:g} degrees of pi, and {AS_LARGE:.0%} of the base's amplitude", _repeats),
     "enough modes": Rule(f"no more than {NEARLY_ALL:.0%} of the curve off by 1 % of the largest impulse", _enough),
 }
-"""By kind of claim, the first part of its key."""
+"""Rules by kind of claim, the first part of its key."""
 
 
 def rule_of(key: str) -> Rule:

@@ -1,4 +1,4 @@
-"""The motion that Figure 4 shows, followed through the windows of the paper: what happens between points of a sweep."""
+"""The motion that Figure 4 shows, followed through the windows of the paper, between the points of a sweep."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from lapjoint.problem import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-RANGE = (1390.0, 2170.0)  # rad/s: all windows, with something on both sides
+RANGE = (1390.0, 2170.0)  # Frequencies of the branch, rad/s: all windows, with a margin on both sides
 HARMLESS = "grazing"
-"""A bifurcation that need not change what kind of motion it is: what it changes, points and other bifurcations tell."""
+"""A bifurcation that need not change the kind of motion: points and other bifurcations show the change."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """What the branches of one solver do in a window."""
+    """Bifurcations and motions of one solver's branches in a window."""
 
     changes: int
     """Bifurcations in it, grazes left out, and motions in and next to it that are unstable or of another period."""
@@ -32,45 +32,20 @@ class Window:
 
     @property
     def words(self) -> str:
-        """What stands in the table."""
+        """The text for the table."""
         if not self.changes and not self.broken:
             return "followed through it: one branch of stable, symmetric motions without a bifurcation"
         return f"followed through it: {self.changes} changes, {self.broken} of symmetry"
 
 
 def window(solver: str, first: float, last: float) -> Window:
-    """Follow the motion through a window.
-
-    Parameters
-    ----------
-    solver : str
-        Entry-point name of the solver.
-    first, last : float
-        The window, rad/s.
-
-    Returns
-    -------
-    Window
-        A branch that does not lead through it counts as a change, and as a broken symmetry.
-    """
+    """Follow the motion of a solver through a window from `first` to `last`, rad/s; a branch that does not lead through
+    it counts as a change, and as a broken symmetry."""
     return in_window(_branches(solver), first, last)
 
 
 def in_window(found: xr.Dataset, first: float, last: float) -> Window:
-    """What branches do in a window.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        Branches over the excitation frequency.
-    first, last : float
-        The window, rad/s.
-
-    Returns
-    -------
-    Window
-        Of all of them.
-    """
+    """Bifurcations and motions of all branches over the excitation frequency between `first` and `last`, rad/s."""
     omega, number = found.angular_frequency.values, found.branch.values
     changes = broken = 0
     through = False

@@ -11,19 +11,19 @@ import fe_lapjoint
 from lapjoint import BaseMotion, Outcome, SteadyState, paper_joint
 from lapjoint.answers.steady_state import ComplexArray
 from validation.ledger.curves import PUBLISHED, Curve, Figure4, at
-from validation.ledger.entry import Entry, said
+from validation.ledger.entry import TIP, Entry, said
 from validation.ledger.rules import EVEN
 from validation.ledger.window_branches import window
 
-SILENT_BELOW = 230.0  # rad/s, below which the paper finds no contact
-APERIODIC = (1398.0, 1398.5, 1399.0)  # rad/s, where the paper finds aperiodic motions
-ASYMMETRIC = (2060.0, 2060.5, 2061.0, 2160.0, 2160.5, 2161.0)  # rad/s, where it finds one-sided ones
-TOUCHED = 1.0  # N s: tip impulses that are less are no contact to speak of
-TIP = 2.5  # m from the root
+SILENT_BELOW = 230.0  # Frequency below which the paper finds no contact, rad/s
+APERIODIC = (1398.0, 1398.5, 1399.0)  # Frequencies at which the paper finds aperiodic motions, rad/s
+ASYMMETRIC = (2060.0, 2060.5, 2061.0, 2160.0, 2160.5, 2161.0)
+"""Frequencies at which the paper finds one-sided motions, rad/s."""
+TOUCHED = 1.0  # Least tip impulse that counts as contact, N s
 
 
 def window_entries(curves: Figure4) -> list[Entry]:
-    """All of them."""
+    """All claims about windows."""
     return [
         low_frequencies(curves),
         step(),

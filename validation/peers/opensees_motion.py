@@ -18,24 +18,8 @@ from validation.peers.opensees_script import Record
 
 
 def along(nodes: FloatArray, values: FloatArray, x: FloatArray, derivative: int) -> FloatArray:
-    """Displacement along the beam from nodal displacements and slopes.
-
-    Parameters
-    ----------
-    nodes : FloatArray, shape (k,)
-        Positions of the nodes, m.
-    values : FloatArray, shape (k, 2, m)
-        Displacements, m, and slopes, rad, of the nodes; m of each.
-    x : FloatArray, shape (n,)
-        Where, m.
-    derivative : int
-        Which derivative by x, 0 to 3.
-
-    Returns
-    -------
-    FloatArray, shape (n, m)
-        Displacement, m, or its derivative.
-    """
+    """Displacement, m, or its x-derivative of order 0 to 3 at `x` (m, shape (n,)), shape (n, m), from nodal
+    displacements, m, and slopes, rad, `values` of shape (k, 2, m) at `nodes` (m, shape (k,))."""
     # The third derivative jumps at nodes, where the left one is meant.
     at = np.maximum(np.nextafter(x, -np.inf), nodes[0]) if derivative == 3 else x
     return np.asarray(CubicHermiteSpline(nodes, values[:, 0], values[:, 1])(at, derivative))
@@ -75,7 +59,7 @@ def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
 
 
 def history_of(problem: Problem, name: str, record: Record) -> History:
-    """A record as the History that everybody reads."""
+    """A record as a History."""
     stops = range(len(problem.stops))
     contacts = sorted((c for k in stops for c in contacts_of(problem, k, record)), key=lambda c: c.start)
     switches = sorted(

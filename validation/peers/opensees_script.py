@@ -16,42 +16,29 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem, Support, ViscousDamping
 
-FAR = 1e3  # m: where the law of the gap springs ends, far beyond any motion
-_Z, _ROTATION = 2, 3  # degrees of freedom of a node in a plane are counted: 1 along x, 2 across, 3 rotation
-_SPRING_DIRECTION = {_Z: 2, _ROTATION: 6}  # as zeroLength counts them
-_NEARLY = 1e3  # times the tolerance: distances that are nearer may still be on their way to it
-_SPRINGS = 10_000  # tags of springs and of their ground nodes start here
+FAR = 1e3  # Displacement at which the law of the gap springs ends, m: far beyond any motion
+_Z, _ROTATION = 2, 3  # Degrees of freedom of a node in a plane: 1 along x, 2 across, 3 rotation
+_SPRING_DIRECTION = {_Z: 2, _ROTATION: 6}  # Direction of a zeroLength element by degree of freedom
+_NEARLY = 1e3  # Distance over the tolerance below which a motion may still be settling to lower multiples
+_SPRINGS = 10_000  # First tag of springs and of their ground nodes
 
 
 @dataclass(frozen=True)
 class Record:
-    """What was recorded at every step: displacements and slopes of all nodes, and their rates."""
+    """Displacements and slopes of all nodes at every step, and their rates."""
 
     nodes: FloatArray
     """Positions, m, shape ``(n,)``."""
     times: FloatArray
-    """s, shape ``(m,)``."""
+    """Times of the steps, s, shape (m,)."""
     values: FloatArray
     """Displacements, m, and slopes, rad, shape ``(m, n, 2)``."""
     rates: FloatArray
-    """Their rates, m/s and rad/s, shape ``(m, n, 2)``."""
+    """Rates of displacements and slopes, m/s and rad/s, shape (m, n, 2)."""
 
 
 def mesh(problem: Problem, elements: int) -> FloatArray:
-    """About `elements` equal elements, with a node at every support and stop.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    elements : int
-        About how many.
-
-    Returns
-    -------
-    FloatArray, shape (n,)
-        Positions of the nodes, m, ascending.
-    """
+    """Nodes of about `elements` equal elements, one at every support and stop: shape (n,), in m, ascending."""
     L = problem.beam.length
     fixed = sorted({0.0, L, *(s.x for s in problem.supports), *(s.x for s in problem.stops)})
     cuts = [np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(fixed)]
@@ -95,18 +82,7 @@ class Model:
             ops.fix(i, 1, int(_Z in fixed), int(_ROTATION in fixed))
 
     def node_at(self, x: float) -> int:
-        """The node at a support or stop.
-
-        Parameters
-        ----------
-        x : float
-            Its position, m.
-
-        Returns
-        -------
-        int
-            Tag of the node.
-        """
+        """Tag of the node at a support or stop at `x`, m."""
         return int(np.argmin(np.abs(self.nodes - x)))
 
     def _support(self, support: Support) -> None:
@@ -154,22 +130,8 @@ class Model:
         return np.array(values), np.array([[ops.nodeVel(i, _Z), ops.nodeVel(i, _ROTATION)] for i in tags])
 
     def march(self, start: float, steps: int, dt: float) -> Record:
-        """Steps from where the model is, at time `start`, which is recorded too.
-
-        Parameters
-        ----------
-        start : float
-            Time now, s.
-        steps : int
-            How many.
-        dt : float
-            Length of each, s.
-
-        Returns
-        -------
-        Record
-            Of ``steps + 1`` times.
-        """
+        """Record of `steps` steps of `dt` s from the model's present state at time `start`, s, which is recorded
+        too."""
         states = [self.state()]
         for i in range(steps):
             if self.ops.analyze(1, dt) != 0:
@@ -194,28 +156,8 @@ _ANALYSIS = (  # Newmark's average acceleration; increments down to 1e-12, withi
 def eigen(
     problem: Problem, elements: int, state: ContactState, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies and eigenvectors of a contact state.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    elements : int
-        About how many.
-    state : ContactState
-        Which stops are closed.
-    count : int
-        How many modes.
-
-    Returns
-    -------
-    nodes : FloatArray, shape (n,)
-        Positions of the nodes, m.
-    omega : FloatArray, shape (count,)
-        Angular frequencies, rad/s, ascending.
-    vectors : FloatArray, shape (count, n, 2)
-        Displacements and slopes of the nodes, of any size.
-    """
+    """Nodes, m, shape (n,); the lowest angular frequencies of a contact state, rad/s, ascending, shape (count,);
+    displacements and slopes of the nodes, of any size, shape (count, n, 2)."""
     model = Model(problem, elements)
     model.close(state)
     found = np.array(model.ops.eigen("-fullGenLapack", count))
@@ -225,24 +167,7 @@ def eigen(
 
 
 def motion(problem: Problem, elements: int, duration: float, dt: float) -> Record:
-    """The motion from rest, in equal steps no longer than `dt`.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint.
-    elements : int
-        About how many.
-    duration : float
-        Length of the motion, s.
-    dt : float
-        Longest step, s.
-
-    Returns
-    -------
-    Record
-        From 0 to `duration`.
-    """
+    """The motion from rest over `duration` s, in equal steps no longer than `dt` s."""
     steps = math.ceil(duration / dt * (1 - 1e-12))
     return _shaken(problem, elements).march(0.0, steps, duration / steps)
 
@@ -250,32 +175,10 @@ def motion(problem: Problem, elements: int, duration: float, dt: float) -> Recor
 def settled(
     problem: Problem, elements: int, dt: float, repeats: float, max_period_multiple: int, max_periods: int
 ) -> tuple[int, float, Record]:
-    """March from rest until the motion comes back to itself.
-
-    Parameters
-    ----------
-    problem : Problem
-        The joint; its excitation has a period.
-    elements : int
-        About how many.
-    dt : float
-        Longest step, s.
-    repeats : float
-        Distance at which a motion counts as having come back, over its size.
-    max_period_multiple : int
-        Longest motion looked for, in excitation periods.
-    max_periods : int
-        Most excitation periods marched.
-
-    Returns
-    -------
-    multiple : int
-        Excitation periods after which the motion repeats; 0 if it did not settle.
-    residual : float
-        How closely it came back, over its size.
-    record : Record
-        Of the last so many periods, one at least.
-    """
+    """March from rest until the motion repeats, in steps no longer than `dt` s, over `max_periods` excitation periods
+    at most: the period multiple (0 if it did not settle, at most `max_period_multiple`), the residual over the size of
+    the motion, and the record of the last multiple, one period at least.  Distances below `repeats` of that size count
+    as repetition."""
     period, model = problem.require_excitation_period("steady state"), _shaken(problem, elements)
     steps = 2 * math.ceil(period / dt / 2)  # even, so that a mirrored motion is so on the steps too
     residual, last = math.inf, list[Record]()
@@ -289,10 +192,9 @@ def settled(
 
 
 def _repetition(apart: list[float], repeats: float) -> tuple[int, float]:
-    """The period multiple of a motion (0: none yet) and its residual, from its distances to 1, 2 ... periods ago.
-
-    One that is still settling may be nearer to an earlier period than to the last: lower multiples must be well apart.
-    """
+    """Period multiple of a motion (0: none yet) and its residual, from its distances to the motion 1, 2 ... periods
+    ago.  A motion that is still settling may be nearer to an earlier period than to the last: lower multiples must be
+    well apart."""
     for i, distance in enumerate(apart):
         if distance <= repeats:
             return i + 1, distance

@@ -16,35 +16,13 @@ from typing import Any
 
 from lapjoint.errors import InputError, SolverError
 
-_LAST_WORDS = 300  # characters of what a crashed process said that are worth repeating
+_LAST_WORDS = 300  # Characters shown of the last message of a crashed process
 
 
 def in_another_process(function: str, arguments: tuple[Any, ...], program: str, hint: str) -> Any:
-    """The result of a function that is run in another process.
-
-    Parameters
-    ----------
-    function : str
-        Which function, as ``module:name``.
-    arguments : tuple
-        Its arguments, which go through pickle.
-    program : str
-        What runs there, for messages.
-    hint : str
-        How to install it.
-
-    Returns
-    -------
-    Any
-        What the function returns.
-
-    Raises
-    ------
-    InputError
-        If the program cannot be imported.
-    SolverError
-        If the function raises, or its process dies.
-    """
+    """The result of ``module:name`` with arguments that go through pickle, run in another process.  InputError names
+    the `program` and the `hint` how to install it if it cannot be imported; SolverError is raised if the function
+    raises or its process dies."""
     with tempfile.TemporaryDirectory() as directory:
         question, answer = Path(directory) / "question", Path(directory) / "answer"
         question.write_bytes(pickle.dumps((function, arguments)))

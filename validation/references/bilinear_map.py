@@ -38,12 +38,11 @@ from scipy.optimize import brentq, minimize_scalar
 from validation.references.rigid_bar import RigidBar
 
 Array = npt.NDArray[np.float64]
-_STATIONS = 4000
-"""Durations of the contact, evenly over all that are possible, between which bifurcations are looked for."""
-_SAMPLES = 400  # of each piece, at which it must be on its side of the stop
-_CLOSE = 1e-14  # of the period: durations are found as closely
-_TIGHT = 1e-7  # of the range of durations: how closely an extremum of Y is known, which leaves the square of this in Y
-_REAL = 1e-9  # imaginary part of a multiplier over its modulus, up to which it is real
+_STATIONS = 4000  # Durations of contact, evenly spaced over all possible ones, between which bifurcations are sought
+_SAMPLES = 400  # Samples of each piece at which the motion must be on its side of the stop
+_CLOSE = 1e-14  # Tolerance of durations over the period
+_TIGHT = 1e-7  # Tolerance of an extremum of Y over the range of durations; the error of Y is its square
+_REAL = 1e-9  # Largest imaginary part of a real multiplier over its modulus
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,36 +77,13 @@ class Piece:
         return values.astype(complex), vectors.astype(complex), np.linalg.inv(vectors.astype(complex))
 
     def transfer(self, t: float | Array) -> Array:
-        """What becomes of (u - level, u') without load in a time.
-
-        Parameters
-        ----------
-        t : float or Array
-            s, of any shape.
-
-        Returns
-        -------
-        Array, shape t.shape + (2 n, 2 n)
-            In m and m/s.
-        """
+        """Transfer matrix of (u - level, u'), m and m/s, without load over times `t`, s: shape t.shape + (2 n, 2 n)."""
         values, vectors, inverse = self._modes
         return np.asarray(((vectors * np.exp(np.multiply.outer(t, values))[..., None, :]) @ inverse).real)
 
     def response(self, omega: float, force: float | Array) -> npt.NDArray[np.complex128]:
-        """Complex amplitude of the steady motion under a harmonic force.
-
-        Parameters
-        ----------
-        omega : float
-            rad/s.
-        force : float or Array
-            N, shape ``(n,)``.
-
-        Returns
-        -------
-        ComplexArray, shape (n,)
-            m.
-        """
+        """Complex amplitude, m, shape (n,), of the steady motion under a harmonic force, N, shape (n,), at `omega`
+        rad/s."""
         M, C, K = (np.atleast_2d(one) for one in (self.mass, self.damping, self.stiffness))
         return np.asarray(np.linalg.solve(K - omega**2 * M + 1j * omega * C, np.atleast_1d(force).astype(complex)))
 
@@ -117,17 +93,17 @@ class OneContact:
     """A motion with one contact in its pieces; time counts from the start of the contact."""
 
     duration: float
-    """Of the contact, s."""
+    """Duration of the contact, s."""
     amplitude: float
-    """Of the base, Y, m."""
+    """Amplitude Y of the base, m."""
     phase: float
-    """Of the load where the contact begins, rad."""
+    """Phase of the load where the contact begins, rad."""
     start: Array
     """(u, u') at the start of the contact, m and m/s, shape ``(2 n,)``."""
     end: Array
     """(u, u') at its end, shape ``(2 n,)``."""
     multipliers: tuple[complex, ...]
-    """Over its pieces, by falling modulus: over half a period for one that mirrors itself."""
+    """Multipliers over the pieces, by falling modulus: over half a period for a mirrored motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,17 +111,17 @@ class BilinearMap:
     """The system under a load of one frequency, and its motions with one contact in `periods` of it."""
 
     free: Piece
-    """Without contact."""
+    """The system without contact."""
     pressed: Piece
-    """In contact."""
+    """The system in contact."""
     lever: float | Array
     """N: displacement at the stop by each coordinate, shape ``(n,)``."""
     gap: float
-    """m."""
+    """Gap of the stop, m."""
     load: float | Array
     """G, kg, shape ``(n,)``: the force's amplitude is G Y omega^2."""
     omega: float
-    """rad/s."""
+    """Frequency of the load, rad/s."""
     periods: int = 1
     mirrored: bool = False
     """Whether the motions mirror themselves between two equal stops, in one period."""
@@ -184,18 +160,7 @@ class BilinearMap:
         return self.motions(np.array([d]))[0]
 
     def motions(self, d: Array) -> list[OneContact]:
-        """The motions of several durations of contact.
-
-        Parameters
-        ----------
-        d : Array, shape (m,)
-            s, above zero and below the period.
-
-        Returns
-        -------
-        list of OneContact
-            As many.
-        """
+        """The motion of each duration of contact, `d` in s, shape (m,), above zero and below the period."""
         size, count = 2 * self.free.count, d.size
         # At the stop (u, u') = touch + along . s, with s of 2 n - 1 numbers.
         touch, along = self.gap * self._row / (self._row @ self._row), null_space(self._row[None, :])
@@ -238,7 +203,8 @@ class BilinearMap:
         return at
 
     def _jumps(self, states: Array, sign: int) -> Array:
-        """What becomes of deviations at a switch of each state: what is early has the other side's damping longer."""
+        """Jump of deviations at a switch of each state: an early switch has the damping of the other side for
+        longer."""
         size, n = states.shape[1], self.free.count
         change = np.atleast_2d(self.free.damping) - np.atleast_2d(self.pressed.damping)
         force = sign * np.linalg.solve(np.atleast_2d(self.free.mass), change @ states[:, n:].T).T
@@ -247,38 +213,14 @@ class BilinearMap:
         return np.eye(size) + jumps
 
     def state(self, motion: OneContact, t: float) -> Array:
-        """u and u' of a motion at a time since its contact began.
-
-        Parameters
-        ----------
-        motion : OneContact
-            The motion.
-        t : float
-            s; of any size.
-
-        Returns
-        -------
-        Array, shape (2 n,)
-            m and m/s.
-        """
+        """u and u' of a motion, m and m/s, shape (2 n,), `t` s (of any size) after its contact began."""
         turns, t = divmod(t, self.period)
         piece, start, deviation, load = self._begins(motion, t < motion.duration)
         now = piece.transfer(t - start) @ deviation + self._wave(piece)(t) @ load + piece.rest
         return np.asarray(self._sign**turns * now)
 
     def start(self, motion: OneContact) -> Array:
-        """u and u' where the load's phase is zero.
-
-        Parameters
-        ----------
-        motion : OneContact
-            The motion.
-
-        Returns
-        -------
-        Array, shape (2 n,)
-            m and m/s.
-        """
+        """u and u' of a motion, m and m/s, shape (2 n,), where the phase of the load is zero."""
         return self.state(motion, -motion.phase / self.omega)
 
     def _begins(self, motion: OneContact, pressed: bool) -> tuple[Piece, float, Array, Array]:
@@ -309,11 +251,11 @@ class BilinearMap:
 
     @cached_property
     def stations(self) -> list[OneContact]:
-        """Motions of all durations, whether or not they are."""
+        """Motions of all durations of contact, whether or not they exist."""
         return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
-        """The motions of least or largest amplitude, of those beside them."""
+        """The existing motions of least or largest amplitude among their neighbours."""
         found = []
         for a, b, c in zip(self.stations, self.stations[1:], self.stations[2:], strict=False):
             sign = 1.0 if b.amplitude < min(a.amplitude, c.amplitude) else -1.0
@@ -328,7 +270,7 @@ class BilinearMap:
         return found
 
     def flips(self) -> list[OneContact]:
-        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks."""
+        """The motions with a multiplier of -1, where the symmetry of mirrored motions breaks."""
         return self._roots(lambda motion: float(np.prod(1 + np.array(motion.multipliers)).real))
 
     def neimark_sackers(self) -> list[OneContact]:
@@ -362,6 +304,6 @@ class BilinearMap:
 
 
 def _on_circle(multipliers: Sequence[complex]) -> bool:
-    """Whether that whose modulus is nearest to one is not real."""
+    """Whether the multiplier whose modulus is nearest to one is complex."""
     nearest = min(multipliers, key=lambda one: abs(abs(one) - 1))
     return abs(nearest.imag) > _REAL * abs(nearest)

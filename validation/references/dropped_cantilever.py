@@ -23,6 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 DATA = Path(__file__).with_name("references.toml")
 Array = npt.NDArray[np.float64]
 
@@ -31,9 +33,9 @@ _GIVEN = {name: float(text) for name, text in _GROUPS["sdnl104 problem"]["values
 LENGTH, DIAMETER = _GIVEN["length"], _GIVEN["diameter"]  # m
 MODULUS, DENSITY = _GIVEN["youngs_modulus"], _GIVEN["density"]  # Pa, kg/m3
 GAP, STIFFNESS, FORCE = _GIVEN["gap"], _GIVEN["stiffness"], _GIVEN["force"]  # m, N/m, N
-AT = 0.16  # s, of the kinetic energy
+AT = 0.16  # Time of the kinetic energy, s
 EI, MASS = MODULUS * math.pi * DIAMETER**4 / 64, DENSITY * math.pi * DIAMETER**2 / 4
-_STEP = 2e-5  # s, in which the tip is looked at: a thousandth of the slowest half period
+_STEP = 2e-5  # Time between samples of the tip, s: a thousandth of the slowest half period
 QUANTITIES = ("first_contact", "release", "impulse", "kinetic_energy")
 
 
@@ -46,47 +48,21 @@ class Family:
     shapes: Array
     """Mass-normalised, at the points of the quadrature, kg^-1/2, shape ``(n, points)``."""
     tip: Array
-    """The same at the tip, shape ``(n,)``."""
+    """Mass-normalised shapes at the tip, kg^-1/2, shape (n,)."""
     static: Array
     """Static deflection at the points, m."""
     static_tip: float
-    """At the tip, m."""
+    """Static deflection at the tip, m."""
 
 
 def quadrature(modes: int) -> tuple[Array, Array]:
-    """Points and weights along the beam, m: eight to each half wave of the highest mode.
-
-    Parameters
-    ----------
-    modes : int
-        Modes in each state.
-
-    Returns
-    -------
-    Array, Array
-        Points and weights, m, shape ``(points,)`` each.
-    """
-    x, w = np.polynomial.legendre.leggauss(8)
-    edges = np.linspace(0.0, LENGTH, modes + 2)
-    half = np.diff(edges)[:, None] / 2
-    return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    """Points and weights along the beam, m, shape (points,) each: eight points to each half wave of the highest
+    mode."""
+    return gauss_panels(np.linspace(0.0, LENGTH, modes + 2), 8)
 
 
 def family(spring: float, modes: int) -> Family:
-    """The cantilever with a spring of some stiffness, N/m, at its tip.
-
-    Parameters
-    ----------
-    spring : float
-        Stiffness of the spring at the tip, N/m.
-    modes : int
-        Modes in each state.
-
-    Returns
-    -------
-    Family
-        Its modes and static deflection.
-    """
+    """Modes and static deflection of the cantilever with a spring, N/m, at its tip."""
     kappa = spring * LENGTH**3 / EI
     x, w = quadrature(modes)
 
@@ -130,57 +106,25 @@ class Stay:
     state: Family
     closed: bool
     start: float
-    """s."""
+    """Start of the stay, s."""
     a: Array
     """Modal coordinates at its start, about the static deflection, kg^1/2 m."""
     b: Array
-    """Their rates over omega."""
+    """Modal velocities at its start over omega, kg^1/2 m."""
 
     def q(self, s: float) -> Array:
-        """Modal coordinates s seconds later.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        Array, shape (n,)
-            kg^1/2 m.
-        """
+        """Modal coordinates `s` seconds after the start of the stay, kg^1/2 m, shape (n,)."""
         angle = self.state.omega * s
         return np.asarray(self.a * np.cos(angle) + self.b * np.sin(angle))
 
     def v(self, s: float) -> Array:
-        """Their rates.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        Array, shape (n,)
-            kg^1/2 m/s.
-        """
+        """Modal velocities `s` seconds after the start of the stay, kg^1/2 m/s, shape (n,)."""
         angle = self.state.omega * s
         return np.asarray(self.state.omega * (self.b * np.cos(angle) - self.a * np.sin(angle)))
 
     def beyond(self, s: float) -> float:
-        """How far the tip is beyond the gap, m.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        float
-            m; negative while the stop is not reached.
-        """
+        """How far the tip is beyond the gap `s` seconds after the start of the stay, m; negative while the stop is not
+        reached."""
         return -float(self.state.static_tip + self.state.tip @ self.q(s)) - GAP
 
     def end(self) -> float:
@@ -193,39 +137,14 @@ class Stay:
             before, s = now, s + _STEP
 
     def impulse(self, s: float) -> float:
-        """Time integral of the stop's force over the first s seconds, N s.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-
-        Returns
-        -------
-        float
-            N s.
-        """
+        """Time integral of the stop's force over the first `s` seconds of the stay, N s."""
         angle = self.state.omega * s
         waves = (self.state.tip / self.state.omega) @ (self.a * np.sin(angle) + self.b * (1 - np.cos(angle)))
         return STIFFNESS * (-(self.state.static_tip + GAP) * s - float(waves))
 
     def next(self, s: float, other: Family, weights: Array) -> Stay:
-        """The motion in the other state: displacement and velocity are carried over.
-
-        Parameters
-        ----------
-        s : float
-            Seconds after the start of the stay.
-        other : Family
-            The other state.
-        weights : Array
-            Weights of the quadrature, m, shape ``(points,)``.
-
-        Returns
-        -------
-        Stay
-            From the switch on.
-        """
+        """The motion in the other state from `s` seconds on: displacement and velocity are carried over by quadrature
+        of `weights`, m, shape (points,)."""
         carry = MASS * (other.shapes * weights) @ self.state.shapes.T
         moved = MASS * (other.shapes @ (weights * (self.state.static - other.static)))
         return Stay(other, not self.closed, self.start + s, carry @ self.q(s) + moved, carry @ self.v(s) / other.omega)

@@ -29,16 +29,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 
-_TERMS = 600  # of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
-_GAUSS = np.polynomial.legendre.leggauss(16)
-_PANELS = 400  # of the quadrature of the initial shapes: less than two half waves of the highest sine each
+_TERMS = 600  # Terms of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
+_PANELS = 400  # Panels of the quadrature of the initial shapes: less than two half waves of the highest sine each
 
 
 @dataclass(frozen=True, eq=False)
 class PinnedBeam:
-    """The beam of a problem file; what holds it is taken for pins at both ends."""
+    """The beam of a problem file; its supports are taken as pins at both ends."""
 
     tables: dict[str, Any]
     """The file, as `tomllib` reads it."""
@@ -110,7 +111,8 @@ class PinnedBeam:
         return found
 
     def _ramped(self, t: float, dt: int) -> Iterator[tuple[float | None, float, Array]]:
-        """Of each record: its place, the force at t or its t-derivative, and what moves besides the static answer."""
+        """Position of each record, its force at t or the t-derivative, and the modal coordinates besides the static
+        answer."""
         for place, knots, force in self._records:
             slope, passed = np.diff(force) / np.diff(knots), knots[:-1] <= t
             turns, begun = np.diff(slope, prepend=0.0)[passed], knots[:-1][passed]
@@ -156,9 +158,7 @@ class PinnedBeam:
     def _initial(self) -> tuple[Array, Array]:
         """Modal coordinates and rates at t = 0."""
         L, _, m = self._beam
-        edges = np.linspace(0.0, L, _PANELS + 1)
-        half = np.diff(edges)[:, None] / 2
-        x, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        x, w = gauss_panels(np.linspace(0.0, L, _PANELS + 1), 16)
         shapes = math.sqrt(2 / (m * L)) * np.sin(np.multiply.outer(self._n * math.pi / L, x))
         given = self.tables.get("initial", {})
 
@@ -171,24 +171,7 @@ class PinnedBeam:
         return m * shapes @ (w * along("displacement")), m * shapes @ (w * along("velocity"))
 
     def evaluate(self, x: float, t: float, dx: int = 0, dt: int = 0) -> float:
-        """z at x and t, or a derivative, dx up to 3 and dt up to 1.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-        dx : int
-            Order of the x-derivative, up to 3.
-        dt : int
-            Order of the t-derivative, up to 1.
-
-        Returns
-        -------
-        float
-            m^(1 - dx) s^-dt.
-        """
+        """z at x, m, and t, s, or its derivative of order dx, up to 3, and dt, up to 1: m^(1 - dx) s^-dt."""
         omega, decay = self.omega, self._decay
         q, v = self._initial
         total, rest = 0.0, np.zeros(_TERMS)
@@ -205,55 +188,17 @@ class PinnedBeam:
         return total + float(self._sines(x, dx) @ rest)
 
     def moment(self, x: float, t: float) -> float:
-        """EI z'', N m.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """EI z'' at x, m, and t, s, in N m."""
         return self._beam[1] * self.evaluate(x, t, 2)
 
     def shear(self, x: float, t: float) -> float:
-        """EI z''', N.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N.
-        """
+        """EI z''' at x, m, and t, s, in N."""
         return self._beam[1] * self.evaluate(x, t, 3)
 
 
 def accelerations(quantity: str, time: Array, values: Array) -> tuple[Array, Array]:
-    """The acceleration of a recorded motion, which is linear between knots.
-
-    Parameters
-    ----------
-    quantity : str
-        What was recorded: acceleration, velocity or displacement.
-    time, values : ndarray, shape (n,)
-        The samples, s and m over powers of s.
-
-    Returns
-    -------
-    knots, acceleration : ndarray, shape (K,)
-        s and m/s2.
-    """
+    """Knots, s, and acceleration, m/s2, shape (K,), linear between them, of samples, shape (n,), of an acceleration,
+    velocity or displacement at `time`, s."""
     if quantity == "acceleration":
         return time, values
     if quantity == "displacement":

@@ -28,13 +28,16 @@ import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 Closed = frozenset[int]
 
-_SAMPLES = 60  # of the gap functions in a period of the fastest mode or load; a contact longer than one is not missed
-_PERIODS = 2  # such periods that are looked at together
-_CLOSE = 1e-15  # s: switches are located as closely as double precision allows
-_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # of a contact's quadrature
+_SAMPLES = 60
+"""Samples of the gap functions in a period of the fastest mode or load: a contact longer than one is not missed."""
+_PERIODS = 2  # Such periods that are sampled together
+_CLOSE = 1e-15  # Tolerance of a switch, s: that of double precision
+_PANELS, _POINTS = 4, 12  # Panels and Gauss points of a contact's quadrature
 
 
 @dataclass(frozen=True)
@@ -43,9 +46,9 @@ class BarContact:
 
     stop: int
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
     """Time integral of the stop's spring force magnitude, N s; positive at the top, negative at the bottom."""
     peak: float
@@ -77,12 +80,12 @@ class RigidBar:
 
     @cached_property
     def length(self) -> float:
-        """m."""
+        """Length, m."""
         return float(self.tables["beam"]["length"])
 
     @cached_property
     def mass_per_length(self) -> float:
-        """kg/m."""
+        """Mass per length, kg/m."""
         return float(self.tables["beam"]["mass_per_length"])
 
     @cached_property
@@ -91,18 +94,7 @@ class RigidBar:
         return any(s["x"] == 0 and math.isinf(s.get("translational", 0.0)) for s in self.tables.get("supports", ()))
 
     def N(self, x: float | Array) -> Array:
-        """Displacement at x by each coordinate, shape ``(n,)`` or ``(places, n)``.
-
-        Parameters
-        ----------
-        x : float or Array
-            Positions, m.
-
-        Returns
-        -------
-        Array, shape (n,) or (places, n)
-            Without unit.
-        """
+        """Displacement at x, m, per unit of each coordinate, shape (n,) or (places, n)."""
         part = np.asarray(x, dtype=float) / self.length
         return np.stack([part] if self.pinned else [1 - part, part], axis=-1)
 
@@ -129,7 +121,7 @@ class RigidBar:
 
     @cached_property
     def uniform(self) -> Array:
-        """int N dx, m, shape ``(n,)``: what a force per unit length is multiplied by."""
+        """int N dx, m, shape (n,), by which a force per unit length is multiplied."""
         return self.length / 2 * np.ones(self.M.shape[0])
 
     @cached_property
@@ -154,25 +146,14 @@ class RigidBar:
 
     @cached_property
     def period(self) -> float:
-        """Excitation period, s: that of the lowest frequency in the file, of which all others are whole multiples."""
+        """Excitation period, s, of the lowest frequency in the file, of which all other frequencies are whole
+        multiples."""
         parts = [self.tables.get("base_motion", {}), *self.tables.get("point_loads", ())]
         return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
     def gap_function(self, k: int, u: Array) -> Array:
-        """sign z - gap of a stop, m: positive where it is pressed.
-
-        Parameters
-        ----------
-        k : int
-            Which stop.
-        u : Array
-            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
-
-        Returns
-        -------
-        Array, shape () or (m,)
-            m.
-        """
+        """sign z - gap of stop k, m, positive where it is pressed, of the shape of `u` (m, (n,) or (n, times)) without
+        n."""
         return np.asarray(self.stops[k]["sign"] * (self.rows[k] @ u) - self.stops[k]["gap"])
 
     @cached_property
@@ -208,41 +189,14 @@ class RigidBar:
         return np.full(omega.size, c / (2 * self.mass_per_length))
 
     def matrices(self, closed: Closed) -> tuple[Array, Array, Array]:
-        """Damping and stiffness matrix of a contact state, and where the bar rests in it without periodic loads.
-
-        Parameters
-        ----------
-        closed : frozenset of int
-            The closed stops.
-
-        Returns
-        -------
-        tuple of Array
-            C, N s/m, and K, N/m, shape ``(n, n)``; displacements at rest, m, shape ``(n,)``.
-        """
+        """C (N s/m) and K (N/m) of a contact state, shape (n, n), and where the bar rests in it without periodic loads
+        (m)."""
         modes, omega, decay, constant = self._state(closed)
         C, K = (self.M @ (modes * one) @ modes.T @ self.M for one in (2 * decay, omega**2))
         return C, K, modes @ (modes.T @ constant / omega**2)
 
     def flow(self, closed: Closed, start: float, u: Array, v: Array) -> Callable[[Array, int], Array]:
-        """The motion in one contact state from u and v at a time, as `Flow.motion`.
-
-        Parameters
-        ----------
-        closed : frozenset of int
-            The closed stops.
-        start : float
-            When, s.
-        u : Array
-            Displacements of the coordinates, m, shape ``(n,)`` or ``(n, m)``.
-        v : Array
-            Velocities of the coordinates, m/s, shape ``(n,)``.
-
-        Returns
-        -------
-        callable
-            As `Flow.motion`.
-        """
+        """The motion in one contact state from u (m) and v (m/s), shape (n,), at `start` (s), like `Flow.motion`."""
         modes, omega, decay, constant = self._state(closed)
         rest = modes.T @ constant / omega**2
         waves = [
@@ -277,22 +231,8 @@ class RigidBar:
         return np.asarray(u), np.asarray(v)
 
     def march(self, duration: float, u: Array | None = None, v: Array | None = None) -> BarMotion:
-        """The motion over a time, s, from the initial state or from u and v at t = 0.
-
-        Parameters
-        ----------
-        duration : float
-            How long, s.
-        u : Array, optional
-            Displacements at t = 0, m, shape ``(n,)``; those of the file if not given.
-        v : Array, optional
-            Velocities at t = 0, m/s, shape ``(n,)``.
-
-        Returns
-        -------
-        BarMotion
-            From 0 to the duration.
-        """
+        """The motion over `duration` s from u (m) and v (m/s), shape (n,), at t = 0, or from the file's initial
+        state."""
         if u is None or v is None:
             u, v = self.initial
         closed = frozenset(k for k in range(len(self.stops)) if self._pressed(k, u, v))
@@ -350,27 +290,12 @@ class RigidBar:
         return np.asarray(t[first - 1 : first + 1])
 
     def moment(self, x: float, t: float, flow: Flow) -> float:
-        """Bending moment EI z'' at x and t, N m, by the balance of all that acts on the part beyond x.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-        flow : Flow
-            The flow of that time.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """Bending moment EI z'' at x (m) and t (s), N m, by the balance of all forces beyond x; `flow` is that of t."""
         now = np.array([t])
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
         inertia = self.mass_per_length * (a + modes @ (2 * decay * (modes.T @ self.M @ v)))  # damping with it
-        places, weights = _GAUSS
+        places, weights = np.polynomial.legendre.leggauss(_POINTS)
         half = (self.length - x) / 2
         s = x + half * (1 + places)
         total = -float(half * weights * (s - x) @ (self.N(s) @ inertia))
@@ -412,22 +337,7 @@ class BarMotion:
         return np.concatenate([self.u, self.v])
 
     def evaluate(self, x: float, t: Array, derivative: int = 0) -> Array:
-        """z(x, t), m, or a derivative by time, at times of shape ``(m,)``.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : Array
-            Times, s, shape ``(m,)``.
-        derivative : int
-            Order of the t-derivative.
-
-        Returns
-        -------
-        Array, shape (m,)
-            m s^-derivative.
-        """
+        """z(x, t), m, or its time derivative, m s^-derivative, at `t`, s, shape (m,)."""
         result = np.empty(t.size)
         for flow in self.flows:
             here = (t >= flow.start) & (t <= flow.end)
@@ -436,7 +346,7 @@ class BarMotion:
 
     @cached_property
     def contacts(self) -> tuple[BarContact, ...]:
-        """All contacts, by start; those that the ends of the motion cut are cut."""
+        """All contacts, by start; the ends of the motion cut the contacts that last beyond them."""
         found = [c for k in range(len(self.bar.stops)) for c in self._contacts_of(k)]
         return tuple(sorted(found, key=lambda contact: contact.start))
 
@@ -462,9 +372,7 @@ class BarMotion:
     def _contact(self, k: int, flows: list[Flow]) -> BarContact:
         stop, area, deepest = self.bar.stops[k], 0.0, 0.0
         for flow in flows:
-            edges = np.linspace(flow.start, flow.end, _PANELS + 1)
-            half = np.diff(edges)[:, None] / 2
-            t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+            t, w = gauss_panels(np.linspace(flow.start, flow.end, _PANELS + 1), _POINTS)
             area += float(self.bar.gap_function(k, flow.motion(t, 0)) @ w)
             deepest = max(deepest, self._deepest(k, flow))
         force = stop["stiffness"] * area * stop["sign"]
@@ -476,24 +384,11 @@ class BarMotion:
         def speed(s: float) -> float:
             return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0])
 
-        t = np.linspace(flow.start, flow.end, _PANELS * _GAUSS[0].size)
+        t = np.linspace(flow.start, flow.end, _PANELS * _POINTS)
         v = self.bar.rows[k] @ flow.motion(t, 1)
         turns = [brentq(speed, t[i], t[i + 1], xtol=_CLOSE) for i in np.flatnonzero(v[:-1] * v[1:] < 0)]
         return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())
 
     def moment(self, x: float, t: float) -> float:
-        """Bending moment EI z'' at x and t, N m.
-
-        Parameters
-        ----------
-        x : float
-            Position, m.
-        t : float
-            Time, s.
-
-        Returns
-        -------
-        float
-            N m.
-        """
+        """Bending moment EI z'' at x, m, and t, s, in N m."""
         return self.bar.moment(x, t, next(flow for flow in self.flows if flow.start <= t <= flow.end))

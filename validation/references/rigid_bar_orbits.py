@@ -1,6 +1,6 @@
-"""Steady states of a rigid bar between stops: where its motion closes, and what becomes of deviations from it.
+"""Steady states of a rigid bar between stops: closed motions, and the fate of deviations from them.
 
-Marches alone are asked, and derivatives are taken by differences, so that nothing is shared with the search on trial.
+Only marches and finite differences are used, so that nothing is shared with the search on trial.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ import numpy as np
 
 from validation.references.rigid_bar import Array, BarMotion, RigidBar
 
-_DIFFERENCE = 1e-6  # of the motion, by which it is moved to differentiate: the cube root of rounding
-_REPEATS = 1e-3  # of the motion: what a settled march returns to within a multiple of its period, at the latest
-_STEPS, _CLOSES = 20, 1e-12  # of Newton's method, and how closely the motion closes, over its size
+_DIFFERENCE = 1e-6  # Step of the finite differences over the size of the motion: the cube root of rounding
+_REPEATS = 1e-3  # Distance over the size of the motion to which a settled march repeats
+_STEPS, _CLOSES = 20, 1e-12
+"""Most steps of Newton's method, and the distance over the size of the motion at which it stops."""
 
 
 def periodic(bar: RigidBar, periods: int = 1, settle: int = 30) -> BarMotion:
@@ -46,22 +47,8 @@ def period_multiple(bar: RigidBar, settle: int = 60, most: int = 6) -> int:
 
 
 def linearised(bar: RigidBar, y: Array, periods: int = 1) -> tuple[BarMotion, Array]:
-    """A march over some periods from (u, v), and the derivative of its end by its start, by differences.
-
-    Parameters
-    ----------
-    bar : RigidBar
-        The bar.
-    y : Array
-        (u, v) at the start, shape ``(2 n,)``.
-    periods : int
-        Excitation periods.
-
-    Returns
-    -------
-    BarMotion, Array of shape (2 n, 2 n)
-        The march, and the derivative.
-    """
+    """A march over some excitation periods from y = (u, v), shape (2 n,), and the derivative of its end by its start,
+    shape (2 n, 2 n), by differences."""
     scale = np.repeat([1.0, 2 * math.pi / bar.period], y.size // 2) * _size(bar, y) * _DIFFERENCE
 
     def end(start: Array) -> Array:
@@ -72,18 +59,8 @@ def linearised(bar: RigidBar, y: Array, periods: int = 1) -> tuple[BarMotion, Ar
 
 
 def multipliers(motion: BarMotion) -> Array:
-    """Floquet multipliers over a whole motion that closes.
-
-    Parameters
-    ----------
-    motion : BarMotion
-        The motion, over whole periods of the excitation.
-
-    Returns
-    -------
-    Array, shape (2 n,)
-        The largest modulus first; complex.
-    """
+    """Floquet multipliers, complex, shape (2 n,), largest modulus first, of a motion that closes over whole excitation
+    periods."""
     first, bar = motion.flows[0], motion.bar
     y = np.concatenate([first.motion(np.array([0.0]), d)[:, 0] for d in (0, 1)])
     found = np.linalg.eigvals(linearised(bar, y, round(motion.flows[-1].end / bar.period))[1])

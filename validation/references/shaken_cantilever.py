@@ -19,6 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -37,22 +39,8 @@ class ShakenCantilever:
     """C, N s/m2."""
 
     def answer(self, frequency: Array, x: float, derivative: int) -> ComplexArray:
-        """An x-derivative of z over the acceleration of the base.
-
-        Parameters
-        ----------
-        frequency : Array, shape (n,)
-            Frequencies, Hz.
-        x : float
-            Position, m.
-        derivative : int
-            Which x-derivative, 0 to 3.
-
-        Returns
-        -------
-        ComplexArray, shape (n,)
-            s^2 m^-derivative.
-        """
+        """The x-derivative of z, of order 0 to 3, over the acceleration of the base: s^2 m^-derivative, shape (n,), at
+        frequencies in Hz, shape (n,), and x in m."""
         omega = 2 * np.pi * frequency
         inertia = self.mass * omega**2 - 1j * omega * self.damping
         b: ComplexArray = np.asarray((inertia / self.stiffness) ** 0.25, dtype=np.complex128)
@@ -62,22 +50,8 @@ class ShakenCantilever:
         return np.asarray((total + (1.0 if derivative == 0 else 0.0)) * self.mass / inertia)
 
     def absolute_mean_square(self, low: float, high: float, density: float, x: float) -> float:
-        """The mean square of the absolute acceleration, that of the base included, under a flat density.
-
-        Parameters
-        ----------
-        low, high : float
-            The band, Hz.
-        density : float
-            One-sided density of the acceleration of the base, (m/s2)^2/Hz.
-        x : float
-            Position, m.
-
-        Returns
-        -------
-        float
-            (m/s2)^2.
-        """
+        """Mean square of the absolute acceleration at x, that of the base included, (m/s2)^2, in a band, Hz, under a
+        flat one-sided density of the base's acceleration, (m/s2)^2/Hz."""
         points, weights = self._quadrature(low, high)
         values = np.abs(1 - (2 * np.pi * points) ** 2 * self.answer(points, x, 0)) ** 2
         return float(density * (weights @ values))
@@ -97,26 +71,9 @@ class ShakenCantilever:
         return np.asarray(np.linalg.solve(matrix, given)[:, :, 0].T)
 
     def mean_square(self, low: float, high: float, density: float, x: float, derivative: int, rates: int) -> float:
-        """The mean square of a derivative of z under a flat density.
-
-        Parameters
-        ----------
-        low, high : float
-            The band, Hz.
-        density : float
-            One-sided density of the acceleration, (m/s2)^2/Hz.
-        x : float
-            Position, m.
-        derivative : int
-            Which x-derivative, 0 to 3.
-        rates : int
-            Which t-derivative of that, 0 or more.
-
-        Returns
-        -------
-        float
-            m^(2 - 2 derivative) s^(-2 rates).
-        """
+        """Mean square at x of the x-derivative (order 0 to 3) and t-derivative (order `rates`) of z, m^(2 - 2
+        derivative) s^(-2 rates), in a band, Hz, under a flat one-sided density of the base's acceleration,
+        (m/s2)^2/Hz."""
         points, weights = self._quadrature(low, high)
         values = np.abs(self.answer(points, x, derivative)) ** 2 * (2 * np.pi * points) ** (2 * rates)
         return float(density * (weights @ values))
@@ -125,9 +82,7 @@ class ShakenCantilever:
         """Gauss points and weights, Hz: intervals a fifth of the width of a resonance at most."""
         width = self.damping / self.mass / (2 * np.pi)  # Hz, of each resonance at half its power
         edges = np.linspace(low, high, max(int(np.ceil(5 * (high - low) / width)), 200) + 1)
-        x, w = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+        return gauss_panels(edges, 8)
 
 
 def _exponentials(b: ComplexArray, s: Array, derivative: int) -> ComplexArray:

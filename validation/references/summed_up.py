@@ -1,8 +1,8 @@
 """Statistics of a motion summed up in the plainest way: densely and evenly, by numpy and scipy alone.
 
-The motion is given as samples and as a list of its contacts; what the project keeps in stretches, and adds up in
-streams, is all there at once.  Intervals are those of the textbooks: Student's t over batches, of the reciprocal root
-where a number is never negative, and Garwood's for counts (Biometrika 28, 1936).
+The motion is given as samples and as a list of its contacts, all at once; the project keeps it in stretches and adds up
+streams.  Intervals are those of the textbooks: Student's t over batches, of the reciprocal root where a number is never
+negative, and Garwood's for counts (Biometrika 28, 1936).
 """
 
 from __future__ import annotations
@@ -28,36 +28,24 @@ class Touch:
     stop: int
     """Index of the stop."""
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
-    """N s."""
+    """Impulse, N s."""
     peak: float
     """Largest force, N."""
     speed: float
-    """Towards the stop when it begins, m/s."""
+    """Speed towards the stop at the start of the contact, m/s."""
 
 
 def scatter(values: Array, step: float, spacing: float) -> tuple[float, float]:
-    """The mean of a signal, and how far the mean of fewer samples may be from it.
+    """Mean of dense, even samples `step` s apart, shape (m,), and how far the mean of fewer samples may be from it, in
+    the unit of the values.
 
-    One sample is taken in each of n intervals, at a place that is as good as random: then the error of the mean has a
-    standard deviation of (mean square of the rate of change)^(1/2) spacing / sqrt(12 n) or less.
-
-    Parameters
-    ----------
-    values : Array, shape (m,)
-        Dense and even samples.
-    step : float
-        Between them, s.
-    spacing : float
-        The intervals of which each has one of the fewer samples, s.
-
-    Returns
-    -------
-    float, float
-        In the unit of the values.
+    One sample is taken in each of n intervals of length `spacing`, s, at a place that is as good as random: then the
+    error of the mean has a standard deviation of (mean square of the rate of change)^(1/2) spacing / sqrt(12 n) or
+    less.
     """
     number = values.size * step / spacing
     rate = math.sqrt(float(np.mean(np.diff(values) ** 2))) / step
@@ -65,53 +53,22 @@ def scatter(values: Array, step: float, spacing: float) -> tuple[float, float]:
 
 
 def student(batches: Array) -> Array:
-    """The interval of a mean by Student's t.
-
-    Parameters
-    ----------
-    batches : Array, shape (n,)
-        Means over batches that know nothing of each other.
-
-    Returns
-    -------
-    Array, shape (2,)
-        Its ends.
-    """
+    """Interval of a mean, shape (2,), by Student's t from independent batch means, shape (n,)."""
     low, high = stats.t.interval(LEVEL, batches.size - 1, loc=batches.mean(), scale=stats.sem(batches))
     return np.array([low, high])
 
 
 def of_reciprocal_root(batches: Array) -> Array:
-    """The same for what is never negative: of y = mean^(-1/2), with dy = -mean^(-3/2) / 2 d(mean).
-
-    Parameters
-    ----------
-    batches : Array, shape (n,)
-        Means over batches.
-
-    Returns
-    -------
-    Array, shape (2,)
-        Its ends.
-    """
+    """Interval of the mean of a number that is never negative, shape (2,), from batch means, shape (n,): Student's t of
+    y = mean^(-1/2), with dy = -mean^(-3/2) / 2 d(mean)."""
     mean = batches.mean()
     y = mean**-0.5 - mean**-1.5 / 2 * (student(batches) - mean)
     return np.asarray([end**-2.0 if end > 0 else math.inf for end in y])
 
 
 def of_counts(counts: Array) -> Array:
-    """The interval of the mean of counts: Garwood's where they are rare, with as many events as are independent.
-
-    Parameters
-    ----------
-    counts : Array, shape (n,)
-        Events in each batch.
-
-    Returns
-    -------
-    Array, shape (2,)
-        Its ends, in events a batch.
-    """
+    """Interval of the mean of counts, events a batch, shape (2,), from the events in each batch, shape (n,): Garwood's
+    where they are rare, with as many events as are independent."""
     if np.mean(counts >= RARE) >= 0.5:
         return of_reciprocal_root(counts)
     clusters = max(1.0, float(np.var(counts, ddof=1)) / counts.mean()) if counts.sum() else 1.0
@@ -122,22 +79,7 @@ def of_counts(counts: Array) -> Array:
 
 
 def shared(touches: list[Touch], edges: Array, stop: int) -> Array:
-    """The time that a stop is touched in each batch.
-
-    Parameters
-    ----------
-    touches : list of Touch
-        All contacts.
-    edges : Array, shape (n + 1,)
-        Ends of the batches, s.
-    stop : int
-        Index of the stop.
-
-    Returns
-    -------
-    Array, shape (n,)
-        s.
-    """
+    """The time that a stop is touched in each batch, s, shape (n,), whose ends are `edges`, s, shape (n + 1,)."""
     found = np.zeros(edges.size - 1)
     for it in touches:
         if it.stop == stop:

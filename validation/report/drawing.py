@@ -14,26 +14,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = {"analytic": PALETTE[0], "fe": PALETTE[1], "paper": "#666666", "third": PALETTE[2]}
-"""Who gave a number, by colour."""
+"""Colours by the origin of a number."""
 
 
 def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WIDTH, height: float = 3.4) -> Drawing:
-    """A figure of one Axes that `paint` fills.
-
-    Parameters
-    ----------
-    title : str
-        What the figure is called, for readers who do not see it too.
-    paint : callable
-        Draws on the axes that it is given.
-    width, height : float
-        Size, inches.
-
-    Returns
-    -------
-    Drawing
-        The figure as SVG.
-    """
+    """A figure of one Axes that `paint` fills, width by height in inches, as SVG; `title` names it for readers who do
+    not see it."""
     axes = new_axes(width, height)
     with style():
         paint(axes)

@@ -14,7 +14,7 @@ from validation.report.table_files import Cell, Sheet
 from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
 
 VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
-"""What needs attention comes first."""
+"""Verdicts in the order of the report, disagreements first."""
 
 
 def case_record(result: CaseResult) -> dict[str, Any]:
@@ -115,18 +115,7 @@ def tightest(result: CaseResult) -> Check | None:
 
 
 def summary_sheet(results: Sequence[CaseResult]) -> Sheet:
-    """A row for each case.
-
-    Parameters
-    ----------
-    results : sequence of CaseResult
-        All cases.
-
-    Returns
-    -------
-    Sheet
-        Verdict, counts, largest difference over allowed, and run time, s.
-    """
+    """A row for each case: verdict, counts, largest difference over allowed, and run time, s."""
     rows: list[tuple[Cell, ...]] = []
     for result in results:
         worst, found = tightest(result), counts(result)
@@ -187,7 +176,7 @@ _SHOWN = 12
 
 
 def faults_sheet() -> Sheet:
-    """What each of the faults does that were put into the program, and what caught it: the last complete run."""
+    """Effect of each fault put into the program, and the check that caught it, by the last complete run."""
     from validation.faults.catalogue import CONTROL
     from validation.faults.record import recorded
 

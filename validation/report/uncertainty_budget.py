@@ -28,18 +28,7 @@ def shares(check: Check) -> dict[str, float]:
 
 
 def sources(checks: Sequence[Check]) -> tuple[str, ...]:
-    """All sources of some checks, in the order in which they first appear.
-
-    Parameters
-    ----------
-    checks : sequence of Check
-        The checks.
-
-    Returns
-    -------
-    tuple of str
-        Their names.
-    """
+    """All sources of some checks, in the order in which they first appear."""
     return tuple(dict.fromkeys(source for check in checks for source in shares(check)))
 
 

@@ -1,8 +1,8 @@
 """Whether a motion lies on a branch that is known.
 
-Knots of a branch are its points and bifurcations.  For a parameter between two neighbouring knots the motion of the
-branch is solved for.  The motion in question is compared with the branch's motion at its own parameter, and with all
-images of that motion by whole periods and mirrored half periods; both must have as many events.
+Knots of a branch are its points and bifurcations.  At the parameter of the motion in question, the branch's motion is
+solved for between two neighbouring knots.  Both motions must have the same number of events; all images of the branch's
+motion by whole periods and mirrored half periods are compared with the motion in question.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray
 
 _LOCATED = 1e-6, 1e-3
-"""Largest distances between two bifurcations, or grazes, that are one: of the parameter over its scale, and of the
-motion over its size.  Branches leave a bifurcation along a parabola, so the motions differ by the root of the
-parameter's error."""
+"""Largest differences of parameter, over its scale, and of motion, over its size, between two bifurcations or grazes
+that are one.  Branches leave a bifurcation along a parabola, so an error of the parameter of 1e-6 shifts the motion by
+its root."""
 
 
 class Motion:
@@ -64,12 +64,12 @@ class Motion:
     @cached_property
     @in_one_thread
     def is_stable(self) -> bool:
-        """Whether no multiplier is known to lie outside the unit circle."""
+        """Whether all multipliers lie within the unit circle; True if the motion was not found."""
         return self.point is None or bool((np.abs(self.point.multipliers) < 1).all())
 
     @in_one_thread
     def lies_on(self, curve: Curve) -> bool:
-        """Whether a branch has the motion, or one of its images by whole periods or mirrored half periods."""
+        """Whether the motion, or one of its images by whole periods or mirrored half periods, lies on a branch."""
         if curve.half_periods != self._plain["half_periods"]:
             return False
         if self._springs_with(curve):
@@ -135,7 +135,7 @@ class Curve:
             yield from self._between(i, value, resolution)
 
     def turns_at(self, value: float) -> Iterator[CurvePoint]:
-        """The motions of the branch near a parameter at which contacts change, or the parameter turns."""
+        """The knots of the branch near a parameter that are folds or changes of contacts."""
         resolution = self._of.resolution(value)
         near = np.flatnonzero(np.abs(self._values - value) <= _LOCATED[0] * resolution.scale(value))
         for k in sorted(self._turns.intersection(near.tolist())):

@@ -20,11 +20,11 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 SAME = 1e-6
-"""Distance below which two curve points are one, as an arclength: motions are solved to 1e-9, and a curve does not turn
-within this length.  Also the distance of two motions over their size, and of two events over the length of the motion,
-below which they are one."""
+"""Arclength below which two curve points are one: far above the error of a solution, 1e-9, and far below the length in
+which a curve turns.  Also the largest distance of two motions over their size, and of two events over the length of the
+motion, that are one."""
 _ROUNDED = 1e-9
-"""Distance of a time from a multiple of half a period, in half periods, that counts as rounding."""
+"""Distance from a multiple of half a period, in half periods, below which a time counts as that multiple: rounding."""
 
 
 @dataclass(frozen=True)
@@ -33,16 +33,18 @@ class GapExtrema:
     opening."""
 
     arc: IndexArray
-    """The arc of each, shape ``(m,)``."""
+    """Index of the arc of each extremum, shape ``(m,)``."""
     stop: IndexArray
-    """The stop of each, shape ``(m,)``."""
+    """Index of the stop of each extremum, shape ``(m,)``."""
     time: FloatArray
     """Time of each, in s from the section, shape ``(m,)``."""
     violation: FloatArray
-    """Distance of each beyond its stop, over the stop's gap or, without a gap, over the size of the motion, shape
-    ``(m,)``.  A value above zero says that the contact sequence lacks two events."""
+    """Distance of each extremum beyond its stop, or of a closed stop towards opening, shape ``(m,)``.  The distance is
+    stated over the stop's gap, else over the largest gap, else over the size of the motion.  A value above zero says
+    that the contact sequence lacks two events."""
     lost: float
-    """Largest displacement of a stop that a passage between contact states loses, over the same size as a violation."""
+    """Largest displacement of a stop that a passage between contact states loses, over the size used for a
+    violation."""
 
 
 @dataclass(frozen=True)
@@ -54,14 +56,14 @@ class CurvePoint:
     u: FloatArray = field(repr=False)
     """The unknowns, shape ``(n + F + 1,)``."""
     scale: FloatArray = field(repr=False)
-    """Size of each unknown: of a coordinate the size of the motion, of a duration the mean duration, and the size of
-    the parameter."""
+    """Size of each unknown: the size of the motion for coordinates, the mean duration for durations, the size of the
+    parameter for the parameter."""
     tangent: FloatArray = field(repr=False)
     """Unit tangent in scaled unknowns, in one of the two directions along the curve."""
     linearisation: Linearisation = field(repr=False)
     """Equations and derivative at the point."""
     orientation: int
-    """The sign `Solution.orientation`, for this tangent."""
+    """Sign of the determinant of the derivative bordered by this tangent, which a smooth curve keeps."""
 
     @staticmethod
     def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
@@ -93,13 +95,13 @@ class CurvePoint:
 
     @property
     def tolerance(self) -> float:
-        """Violation below which an extremum only touches its stop: rounding, or what passages lose of the motion
-        there."""
+        """Violation below which an extremum only touches its stop: the grazing tolerance, or what passages lose, if
+        larger."""
         return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of the monodromy matrix over the motion's half periods, shape ``(n,)``."""
+        """Eigenvalues of the derivative of the map over all half periods of the motion, shape ``(n,)``."""
         return self.linearisation.multipliers
 
     @cached_property
@@ -140,8 +142,8 @@ class CurvePoint:
     def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
         """Value of each gap function at which its stop switches in each arc, in m, shape ``(M + 1, P)``.
 
-        A stop that has just switched switches back at the value with which its arc began: zero, but for what a passage
-        loses.
+        A stop that has just switched switches back at the value with which its arc began.  That value is zero but for
+        what a passage between contact states loses of the motion.
         """
         levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
         if switched.size:
@@ -159,11 +161,11 @@ class CurvePoint:
         return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
 
     def entering(self, arc: int, stop: int) -> tuple[float, float]:
-        """First and second derivative, in m/s and m/s2, with which a stop enters an arc's side of its gap, where the
-        arc begins.
+        """First and second time derivative, in m/s and m/s2, with which a stop enters its side of the gap at the start
+        of an arc.
 
-        The derivatives are those of the gap function of a closed stop, and of its opposite for an open stop, as the
-        contact state of the arc has them.
+        Positive values lead into the state that the stop has in the arc.  They are the derivatives of the gap function
+        for a closed stop, and of minus the gap function for an open stop, in the contact state of the arc.
         """
         arcs = self.problem.arcs(self.u)
         motion, stops = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations), arcs.problem.stops
@@ -188,8 +190,8 @@ class CurvePoint:
     def sections(self) -> list[SectionPoint]:
         """The motion at all multiples of the excitation period within its length.
 
-        If the problem is its own mirror image, multiples of half the period count, too: the motion or its mirror image
-        is there.
+        If the problem is its own mirror image, multiples of half the period count, too; at odd multiples the mirror
+        image of the motion is given.
         """
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         twins, half = mirror_twins(arcs.problem), arcs.period / 2
@@ -208,8 +210,7 @@ class CurvePoint:
     def section(self) -> SectionPoint:
         """The motion at a multiple of the excitation period, from which the solver's march may begin.
 
-        At an odd multiple of half a period the mirror image of the motion stands for it, if the problem is its own
-        mirror image.
+        If the problem is its own mirror image, the mirror image is given at an odd multiple of half a period.
         """
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         k = int(np.ceil(2 * chain.times[0] / arcs.period - _ROUNDED))
@@ -225,7 +226,7 @@ def solved(
     """The curve point to which Newton's method leads from a guess, with the arguments of `newton.solve`; None if it
     finds none.
 
-    The tangent goes towards the border row.
+    The tangent has a positive product with `row`.
     """
     found = solve(problem, guess, scale, row, exact)
     return None if found is None else CurvePoint.of(problem, found, scale)
@@ -255,8 +256,8 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
 def resectioned(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
     """The motion of a point, with two events or more, with its section in the middle of the longest arc.
 
-    Returns its equations, its unknowns, shape (n' + F + 1,), and a small way along the curve in the direction of the
-    point's tangent, of that shape, too.
+    Returns its equations, its unknowns, shape (n' + F + 1,), and the change of the unknowns, of that shape, over an
+    arclength of `SAME` along the point's tangent.
     """
     durations = point.durations
     lengths = np.append(durations[1:-1], durations[0] + durations[-1])
@@ -275,8 +276,8 @@ def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
 
 
 def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float) -> tuple[BoundaryProblem, FloatArray]:
-    """The motion with its section some time after the start of an arc, 0 to M - 1, or before the start of the first
-    arc."""
+    """The motion with its section `shift` seconds after the start of an arc, 0 to M - 1; before the start of arc 0, if
+    negative."""
     arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
     durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
     twins = mirror_twins(arcs.problem) if mirrored else None

@@ -1,10 +1,11 @@
 """Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
 
-An arc whose duration passes zero ends: between events of one stop the stop's contact (or flight) vanishes with both
-events, between events of two stops the events change their order.  An extremum that passes its stop in an open arc
-gives birth to a contact, and in a closed arc it splits the contact by a flight.  The curves on both sides of a change
-meet where the arc's duration and the extremum are zero.  A solver whose passages lose part of the motion has the
-meeting point a little elsewhere on either side; the distance is an error of truncation, see `SequenceChange.offset`.
+An arc ends where its duration passes zero.  Between two events of one stop, the stop's contact or flight vanishes with
+both events.  Between events of two stops, the events change their order.  An extremum of the gap function that passes
+zero while the stop is open gives birth to a contact; while the stop is closed, it splits the contact by a flight.  The
+curves on both sides of a change meet where the arc's duration and the extremum are zero.  A solver that loses part of
+the motion at a passage, from one contact state to the next, has the meeting point a little elsewhere on either side;
+the distance is an error of truncation, see `SequenceChange.offset`.
 """
 
 from __future__ import annotations
@@ -25,22 +26,21 @@ from lapjoint.problem import FloatArray
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact is born or ends at a graze, a contact splits or two contacts merge, or two events change their order."""
 SECANTS = 12
-"""Largest number of secant steps to a zero that lies near, of which two to five are needed."""
+"""Largest number of secant steps to a zero that lies near; two to five usually suffice."""
 _CLEARLY = 1e-7
-"""Value of a monitor, without unit, that rounding does not explain: Newton's method leaves an arclength of 1e-9, along
-which an extremum rises by up to a hundred times that length."""
+"""Value of a monitor, without unit, that is above rounding.  Newton's method leaves an arclength of 1e-9; an extremum
+changes by up to a hundred times an arclength."""
 _MOST_AT_ONCE = 6
 """Largest number of changes that happen together: a motion of four periods has at most as many parts alike."""
 _ACROSS = 0.5
-"""Length beyond the ends of a step, over the step, within which Newton's method may locate a change that lies in the
-step."""
+"""Fraction of a step's length by which a located change may lie outside the step."""
 
 
 class Monitor(NamedTuple):
     """A function along a curve whose values above zero say that the contact sequence no longer fits the motion."""
 
     kind: Literal["duration", "extremum"]
-    """The duration of an arc, which falls below zero, or an extremum, which passes its stop."""
+    """The function: the duration of an arc, or an extremum of a gap function."""
     arc: int
     """The arc that has the duration, or holds the extremum."""
     stop: int
@@ -68,8 +68,8 @@ class SequenceChange:
     after: CurvePoint | None
     """The point with the sequence after, its tangent away from the change; None where there is none."""
     reverses: int | None = None
-    """The new arc, if damping forces jump so that the arc, while it is short, is on the wrong side of its stop; else
-    None."""
+    """The new arc, if the jump of the damping force puts the beam on the wrong side of the stop while the arc is short;
+    else None."""
 
     @property
     def value(self) -> float:
@@ -78,7 +78,8 @@ class SequenceChange:
 
     @property
     def fewer(self) -> CurvePoint:
-        """The point with fewer events, as far as it is known: from its side a graze is smooth."""
+        """The point with fewer events, or `before` if `after` is unknown; seen from its side, the curve is smooth at a
+        graze."""
         if self.after is not None and self.after.problem.events < self.before.problem.events:
             return self.after
         return self.before
@@ -178,8 +179,8 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
 def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
     """The changes that happen together with a change: monitors that are above zero at the point to which it leads.
 
-    Each begins where the one before leads to.  Parts of a motion that nearly repeats change one just after the other,
-    and what passages lose may swap them.
+    Each change starts from the point at which the previous change ended.  If a motion nearly repeats, its similar parts
+    change at nearly equal parameters, and what passages lose may swap their order.
     """
     for _ in range(_MOST_AT_ONCE):
         here = change.after
@@ -246,8 +247,8 @@ def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events are born at an extremum; or two groups of tied events, where several stops have the extremum
-    together."""
+    """Two events are born at an extremum, or two groups of tied events, which happen together, if several stops reach
+    it."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
     began, more = sum(shares[:i]), len(stops) - 1

@@ -24,6 +24,6 @@ def test_a_force_a_thousandth_too_large_is_noticed(monkeypatch: pytest.MonkeyPat
         found = sound(*args, **kwargs)  # type: ignore[arg-type]
         return replace(found, values={name: 1.001 * value for name, value in found.values.items()})
 
-    monkeypatch.setattr(of_orbit, "summarise", larger)
+    monkeypatch.setattr(case, "summarise", larger)
     wrong = {check.name for check in case.steady_with_contacts() if check.verdict is Verdict.DISAGREE}
     assert "steady with contacts, force rms of stop 1" in wrong

@@ -165,10 +165,10 @@ def test_a_motion_that_a_peer_refuses_is_noted(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_peer_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(name: str, **_: object) -> AnySolver:
+    def broken(name: str) -> AnySolver:
         raise SolverError("cannot be loaded")
 
-    monkeypatch.setattr(arguments, "make_solver", broken)
+    monkeypatch.setattr(peers, "named_solver", broken)
     with pytest.raises(InputError, match="--peers x: cannot be loaded"):
         peers.check_peers(("x",))
 
@@ -222,7 +222,7 @@ def test_opensees_marches_to_the_steady_state() -> None:
 
 @needs_opensees
 def test_opensees_as_a_peer_agrees_three_ways(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(arguments, "make_solver", lambda name, **_: COARSE)
+    monkeypatch.setattr(peers, "named_solver", lambda name: COARSE)
     monkeypatch.setattr(peers, "DURATION", 0.008)
     peers.check_peers(("opensees",))
     result = peers.run(None, ("opensees",), "quick", silent)
