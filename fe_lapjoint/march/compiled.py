@@ -118,8 +118,7 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
 def above_troughs(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: FloatArray, width: float
 ) -> FloatArray:
-    """Sum of the swinging terms at both ends of each interval, less its lower bound in the interval, m, shape ``(2,
-    i)``.
+    """Sum of the swinging terms at both ends of each interval, less its lower bound within, m, shape ``(2, i)``.
 
     Given are a place's amplitudes, m, and rates, 1/s, ``(m,)``; the moduli of the rates, 1/s, or 0 for terms that may
     not swing, ``(m,)``; `side`, +1 for the place's motion or -1 for its opposite; the beginnings of the intervals after

@@ -61,8 +61,7 @@ class BoundedGaps(Protocol):
         """Bounds on \\|h''\\| at all times, m/s2, shape ``(P,)``: quickly had, for a first look."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far each gap function may exceed the larger of its values at both ends of interval i, m, shape ``(P,
-        i)``.
+        """How far each gap function may exceed the larger of its values at both ends of an interval, m, ``(P, i)``.
 
         The intervals begin at `t`, s, ``(i,)``, and are `width` seconds wide.
         """

@@ -192,8 +192,7 @@ class Flow:
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
     def above_troughs(self, k: int, side: float, t: FloatArray, width: float) -> FloatArray:
-        """Sum of the swinging terms at both ends of each interval, less its lower bound in the interval, m, shape ``(2,
-        i)``.
+        """Sum of the swinging terms at both ends of each interval, less its lower bound within, m, shape ``(2, i)``.
 
         The intervals begin at `t`, s, ``(i,)``; `side` is +1 for the displacement of stop `k`, -1 for its opposite.
         """

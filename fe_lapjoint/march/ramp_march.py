@@ -214,7 +214,7 @@ def _judge(
     bounds: FloatArray,
     watch: Watch,
 ) -> int:
-    """`_CLEAR`, `_UNCLEAR` or `_RISING` for a part of an interval; `begin`, `end`: places' motion at its ends, ``(p,
+    """`_CLEAR`, `_UNCLEAR` or `_RISING` for a part of an interval, by the motion of the places at its ends, ``(p,
     3)``."""
     width, result, sure = hi - lo, _CLEAR, True
     _bound(tables, it, lo, width, bounds)
@@ -233,8 +233,7 @@ def _judge(
 
 @njit_inner()
 def _bound(tables: RampTables, it: Interval, since: float, width: float, bounds: FloatArray) -> None:
-    """Write how far each place may exceed a chord, m, stray from a tangent, m, and change its velocity, m/s; ``(3,
-    p)``."""
+    """Write by how much places may exceed a chord, m, leave a tangent, m, and change velocity, m/s: ``(3, p)``."""
     bounds[:] = 0.0
     for b in range(tables.fading.size):
         fade = math.exp(-tables.fading[b] * since) if since else 1.0

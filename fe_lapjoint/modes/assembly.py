@@ -86,7 +86,7 @@ class Assembly:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """B such that B^T B is the stiffness without springs: sqrt(EI w) z'' at two Gauss points an element, ``(2 e,
+        """B with B^T B equal to the stiffness without springs: sqrt(EI w) z'' at 2 Gauss points an element, ``(2 e,
         n)``.
 
         Strain energy from B u loses far fewer digits on fine meshes than u^T K u: cancellation is of order h^-2.

@@ -185,8 +185,7 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of stops at the nearer end of each interval, m, at least 0, and how much less it may be within it, (P,
-    I).
+    """Distance of stops at the nearer end of each interval, m, at least 0, and its possible decrease within, m, (P, I).
 
     `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  A stop that truncation
     leaves beyond its gap at a switch switches again when it comes back to where it was left.

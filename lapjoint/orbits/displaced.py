@@ -42,8 +42,7 @@ class StaticShapes:
     displacements: FloatArray
     """Deviations that move a section point by each shape for a force of 1 N, shape ``(p, n)``."""
     velocities: FloatArray
-    """Deviations that add each shape to the velocity of a section point, in m/s where the shape is in m, shape ``(p,
-    n)``."""
+    """Deviations that add each shape to the velocity of a section point, m/s for a shape in m, shape ``(p, n)``."""
     compliance: FloatArray
     """Displacement at each place under a unit force at each place, m/N, shape ``(p, p)``."""
 
