@@ -214,8 +214,7 @@ def _judge(
     bounds: FloatArray,
     watch: Watch,
 ) -> int:
-    """`_CLEAR`, `_UNCLEAR` or `_RISING` for a part of an interval, by the motion of the places at its ends, ``(p,
-    3)``."""
+    """`_CLEAR`, `_UNCLEAR` or `_RISING` for a part of an interval, by the places' motion at its ends, ``(p, 3)``."""
     width, result, sure = hi - lo, _CLEAR, True
     _bound(tables, it, lo, width, bounds)
     for k in range(watch.fresh.size):

@@ -86,8 +86,7 @@ class Assembly:
 
     @cached_property
     def curvature(self) -> FloatArray:
-        """B with B^T B equal to the stiffness without springs: sqrt(EI w) z'' at 2 Gauss points an element, ``(2 e,
-        n)``.
+        """B with B^T B the stiffness without springs: sqrt(EI w) z'' at two Gauss points an element, ``(2 e, n)``.
 
         Strain energy from B u loses far fewer digits on fine meshes than u^T K u: cancellation is of order h^-2.
         """
