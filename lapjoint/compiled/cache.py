@@ -21,9 +21,10 @@ from numba.core.dispatcher import Dispatcher
 
 
 class ContentCache(FunctionCache):  # type: ignore[misc]
-    """The machine code that numba keeps of one function, under a key that holds the content of all that goes into it.
+    """The machine code of one function in numba's cache, under a key that holds the content of everything compiled into
+    it.
 
-    It raises a `RuntimeError` where there is no folder to keep machine code in.
+    It raises a `RuntimeError` where there is no folder for machine code.
     """
 
     def __init__(self, dispatcher: Any) -> None:

@@ -134,7 +134,7 @@ class Collector:
             t = np.clip((middle[:, None] + fine).ravel(), t[0], t[-1])
 
     def _take_contacts(self, history: History) -> None:
-        """Add the contacts that end, and keep those that go on."""
+        """Add the contacts that end in a stretch, and keep those that last beyond it."""
         speeds, done = self._impact_speeds(history), []
         for contact, speed in zip(history.contacts, speeds.tolist(), strict=True):
             going = self._going.pop(contact.stop, None) if contact.open_start else None
@@ -198,9 +198,9 @@ class _Going:
     """A contact that lasts beyond the end of a stretch."""
 
     contact: Contact
-    """Its part up to the end of the stretch."""
+    """The part of the contact up to the end of the stretch."""
     speed: float
-    """Its impact speed, m/s."""
+    """Impact speed of the contact, m/s."""
     cut: bool
     """Whether the contact was closed when the motion began."""
 

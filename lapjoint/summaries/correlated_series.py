@@ -23,8 +23,8 @@ import numpy as np
 from lapjoint.problem import FloatArray
 
 _BLOCKS = 16
-"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and is off by more than two
-standard errors in 6 % of cases."""
+"""Number of blocks when blocks are longest: their mean follows Student's t with 15 degrees of freedom, and is off by
+more than two standard errors in 6 % of cases."""
 
 
 def standard_error(series: FloatArray) -> float:

@@ -1,4 +1,4 @@
-"""How a motion is summarised: the start that is left out, the length of a unit, the rate of samples."""
+"""How a motion is summarised: the time left out at its start, the length of a unit, and the sampling rate."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ from lapjoint.summaries.quantities import Selection
 from lapjoint.summaries.sums import Sums
 
 SETTLED = 7.0
-"""Decay times of the slowest mode that are left out by default: a thousandth of the start remains after them."""
+"""Time left out at the start by default, in decay times of the slowest mode: a thousandth of the initial motion remains
+after it."""
 LONG = 20.0
 """Least length of a unit, in decay times of the slowest mode, for neighbouring units to be all but independent."""
 UNITS = 32
-"""Number of units of all realisations together, from which intervals follow."""
+"""Number of units of all realisations together, from which confidence intervals follow."""
 ENOUGH = 8
 """Number of units below which an interval is wide because there are few units."""
 SAMPLES_A_PERIOD = 16
@@ -34,7 +35,7 @@ LEAST_IN_UNIT = 16
 MOST_SAMPLES = 1e10
 """Largest number of samples of a motion, which take a day."""
 _MODES = 8
-"""Lowest modes of the free joint among which the slowest to decay is looked for."""
+"""Number of the lowest modes of the free joint among which the mode that decays slowest is looked for."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,8 @@ def measure(
 ) -> Measure:
     """How to summarise motions of a duration, s, of which there are `seeds`.
 
-    By default, `settle` is `SETTLED` decay times of the slowest mode, and there are `SAMPLES_A_PERIOD` in a period of
-    it.
+    By default, `settle` is `SETTLED` decay times of the slowest mode, and the rate gives `SAMPLES_A_PERIOD` samples in
+    a period of the slowest mode.
     """
     problem = selection.problem
     problem.check_duration(duration)
@@ -140,7 +141,8 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
 
 
 def _lowest_modes(problem: Problem, solver: Solver) -> FloatArray:
-    """Angular frequencies of the lowest modes, rad/s: `_MODES` of them, or as many as a coarse solver has."""
+    """Angular frequencies of the lowest modes, rad/s: `_MODES` of them, or all modes of a coarse solver if it has
+    fewer."""
     for count in (_MODES, _MODES // 2, _MODES // 4):
         try:
             return np.asarray(solver.modes(problem, FREE, count).angular_frequencies, dtype=float)

@@ -26,11 +26,13 @@ from lapjoint.summaries.correlated_series import standard_error
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
-"""Samples of a motion, at most."""
+"""Largest number of samples of a motion."""
 FINER = 1.5
-"""Factor of `MOST` for the finer motion: the error of too few samples then shows in the difference, too."""
+"""Factor by which `MOST` is multiplied for the finer motion: the error of too few samples then shows in the difference,
+too."""
 WANDERING = 128
-"""Number of excitation periods of a motion that does not repeat: twice as many as a standard error needs."""
+"""Number of excitation periods over which a motion that does not repeat is summarised: twice as many as a standard
+error needs."""
 PER_PERIOD = 8.0
 """Samples in a period of the fastest mode, up to `MOST` in all: Gauss's rule of four points needs no more."""
 _FINE = 16
@@ -71,7 +73,7 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def quantities_of(names: Sequence[str]) -> list[str]:
-    """The names of the quantities, of places, that some numbers of a summary need."""
+    """The names of the quantities of places that some names of a summary need."""
     return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
 
 

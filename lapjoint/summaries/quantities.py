@@ -19,9 +19,9 @@ IndexArray = npt.NDArray[np.intp]
 STATIONS = 33
 """Number of equidistant places along the beam at which quantities are looked at, besides those asked for."""
 ROUNDING = 1e-11
-"""Fraction of a quantity's largest magnitude along the beam up to which a value is rounding, and told as zero, as the
-moment at a free end.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest magnitude, and
-every other value at least 1e-5."""
+"""Fraction of a quantity's largest magnitude along the beam, up to which a value is rounding and is stated as zero,
+such as the moment at a free end.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest
+magnitude, and every other value at least 1e-5."""
 DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
 """The quantities of a summary by default; stress only where the beam has a section."""
 
@@ -48,7 +48,8 @@ class Selection:
 
     @cached_property
     def orders(self) -> tuple[tuple[int, int], ...]:
-        """The derivatives that are needed, each once; the displacement always, for the forces."""
+        """Orders (dx, dt) of the derivatives that are needed, each once; the displacement is always included, for the
+        forces of stops."""
         return tuple(dict.fromkeys([(0, 0), *((one.dx, one.dt) for one in self.quantities)]))
 
     @cached_property

@@ -14,7 +14,7 @@ from lapjoint.summaries.distributions import BINS
 
 CountArray = npt.NDArray[np.int64]
 OF_CONTACTS = ("impulse", "peak_force", "contact_duration", "impact_speed")
-"""Values of a contact that have distributions: magnitudes, in N s, N, s and m/s."""
+"""Quantities of a contact that have distributions: their magnitudes, in N s, N, s and m/s."""
 
 
 @dataclass

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CORRELATED = 0.3
-"""Correlation of neighbouring units from which units are too short: intervals are then a third too narrow."""
+"""Correlation of neighbouring units above which units are too short: intervals are then a third too narrow."""
 MAXIMUM = "mean of the largest magnitude in a unit of time"
 _OF_CONTACTS = {
     "impulse": ("N s", "impulse of a contact, its magnitude"),
@@ -37,7 +37,7 @@ _OF_CONTACTS = {
     "impact_speed": ("m s-1", "speed of the beam towards the stop when a contact begins"),
 }
 Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-"""Dimensions, values and attributes, as xarray takes them."""
+"""Dimensions, values and attributes of a variable, as xarray takes them."""
 
 
 def table(what: Measure, sums: Sums) -> xr.Dataset:
@@ -49,7 +49,7 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
 
 
 def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
-    """A sentence for each reason to doubt the intervals of some number of motions."""
+    """A sentence for each reason to doubt the confidence intervals, which come from `realisations` motions."""
     found, units = [], sums.samples.size
     if units < ENOUGH:
         found.append(
