@@ -70,7 +70,7 @@ def test_the_session_of_the_page_on_sweeps_runs(tmp_path: Path, monkeypatch: pyt
 
 def test_every_dependency_is_explained() -> None:
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[1]
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## Dependencies")[1]
     extras = [one for group in project["optional-dependencies"].values() for one in group]
     names = {re.split(r"[<>=\[;~ ]", one)[0] for one in [*project["dependencies"], *extras]} - {"lapjoint"}
     assert {name for name in names if name not in table} <= {"pytest-xdist"}  # "pytest" is
@@ -78,7 +78,7 @@ def test_every_dependency_is_explained() -> None:
 
 def test_the_layout_names_every_folder_two_levels_deep() -> None:
     root = DOCS.parent
-    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## What it stands on")[0]
+    table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## Dependencies")[0]
     named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
     tops = {path.split("/")[0] for path in named}
     assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
