@@ -47,11 +47,12 @@ from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
 _IMPACTS, _RINGING = 3.0, 2.0
-"""c of free impacts, and its factor where the modes left out ring on to the next one; see the module's head."""
+"""c of free impacts, and the factor on c where the left-out modes still ring at the next impact; see the module's
+head."""
 _DAMPED = 1e-3  # modal damping ratio from which they do not ring on: the least of the problems measured
 _POSITIONS = 33  # positions along the beam at which the deflection under a uniform load is looked at
 _SHAPE_REMAINDER = 1e-3
-"""Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
+"""Largest part of an initial shape that the modes may leave out, as a fraction of the norm of its coordinates."""
 
 
 def default_count(problem: Problem, tolerance: float) -> int:
@@ -68,7 +69,8 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
-    """e_N for N = 1 ... pool - 1, ``(pool - 1,)``, with sums cut at `pool` modes; of the two states the larger."""
+    """e_N for N = 1 ... pool - 1, ``(pool - 1,)``, with sums cut at `pool` modes: the larger of the values in both
+    states."""
     return _error(_criterion(problem), pool)
 
 
@@ -93,8 +95,8 @@ class _Criterion:
     contact_squares: tuple[float, ...]
     """omega_c^2 of each stop's own contacts, (rad/s)^2."""
     sudden: tuple[tuple[float | None, float, float], ...]
-    """Loads that are there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and their
-    size at t = 0 over the largest size that all loads at this position can have."""
+    """Loads that are already there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and
+    their size at t = 0 divided by the largest size that all loads at this position can have."""
 
 
 def _criterion(problem: Problem) -> _Criterion:
@@ -125,7 +127,7 @@ def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
 
 
 def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
-    """omega_c^2 of a contact's own, (rad/s)^2."""
+    """omega_c^2, (rad/s)^2, of the contacts of a stop, 4 k c / M of the module's head; `ringing` is the factor on c."""
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.x == stop.x and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
@@ -156,10 +158,11 @@ class _SuddenAnswer:
     square: FloatArray
     """omega_i^2, (rad/s)^2, shape ``(pool,)``."""
     left_out: FloatArray
-    """The most that the modes from each on may sum to, m for a unit load, shape ``(pool - 1,)``."""
+    """Bound on the sum of all modes above each N, m for a unit load, shape ``(pool - 1,)``."""
 
     def error(self, omega: float) -> FloatArray:
-        """Share of the left-out modes in the largest deflection, ``(pool - 1,)``, under a load of `omega`, rad/s."""
+        """Left-out modes' part of the largest deflection under a load of `omega`, rad/s, as a fraction, ``(pool -
+        1,)``."""
         slowed = np.maximum(self.square, omega**2)  # inertia makes the answer of the modes below it smaller
         most = np.abs((1 / np.where(slowed > 0, slowed, np.inf)) @ self.parts).max()
         return np.asarray(self.left_out / (most + np.finfo(float).tiny))
@@ -172,9 +175,9 @@ class _ModalSums:
     elastic: float
     """The lowest elastic frequency with the stops closed, rad/s."""
     contacts: FloatArray
-    """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
+    """e_N divided by omega_c^2, for each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
-    """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
+    """e_N divided by the square of the fastest frequency of the response to the loads, s^2, shape ``(pool - 1,)``."""
     starts: dict[float | None, tuple[_SuddenAnswer, _SuddenAnswer]]
     """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
 
@@ -198,7 +201,8 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
 
 
 def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
-    """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop, without unit, of one state, shape ``(stops, modes - 1)``."""
+    """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop of stiffness k, without unit, in one state, ``(stops, modes -
+    1)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     stiffness = np.array([stop.stiffness for stop in problem.stops])
     share = stiffness[:, None] * modes.shapes(np.array([stop.x for stop in problem.stops])).T ** 2 / omega**2
@@ -206,7 +210,10 @@ def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
 
 
 def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
-    """Shares, ``(..., modes - 1)``, over omega_N^2, s^2; infinite for rigid-body modes, which are never left out."""
+    """Shares of left-out modes in a compliance, ``(..., modes - 1)``, divided by omega_N^2, s^2.
+
+    They are infinite for rigid-body modes, which are never left out.
+    """
     square = modes.omega[:-1] ** 2
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 

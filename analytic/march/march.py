@@ -19,11 +19,11 @@ from lapjoint.machine.result_cache import bytes_in
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-MOST_SWITCHES = 1_000_000  # most switches of one march by default: half a million impacts, minutes of marching
-_ROOM = 256  # segments in the log before it is emptied: with 64, logs to be joined took 6 % of the time of a branch
+MOST_SWITCHES = 1_000_000  # default limit of switches of one march: half a million impacts, minutes of computing
+_ROOM = 256  # segments in the log before it is emptied: with 64, joining logs took 6 % of the time of a branch
 SWITCHES_AT_ONCE = 1000  # switches in one compiled call, half a second with 320 modes, so that Ctrl-C is heeded
 WITH_ALL_AT_ONCE = 100  # switches in one compiled call that carries all deviations, half a second with 320 modes
-_PART = 2000  # bytes that a piece of a motion takes beside its segments: a dozen arrays, and its end
+_PART = 2000  # bytes of a piece of a motion in addition to its segments: a dozen arrays, and its end
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 

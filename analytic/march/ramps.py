@@ -85,8 +85,7 @@ class RampState:
         self._made: RampTables | None = None
 
     def move_to(self, t: float) -> float:
-        """Load the block of samples that holds the time `t`, s; returns the end of the block, s, infinite for the last
-        one.
+        """Go on to the block of samples that holds the time `t`, s; returns its end, s, infinite for the last block.
 
         `t` is not before the `t` of the last call.  A march up to the end of the block may then take `tables`.
         """

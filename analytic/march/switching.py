@@ -27,7 +27,8 @@ class Frozen(NamedTuple):
     rest: FloatArray
     """Coefficients of R over the modes of all states, kg^1/2 m, shape ``(S, N)``; changed in place."""
     cross: FloatArray
-    """S_ij of (43) from each state (second axis) to each (first), without unit, shape ``(S, S, N, N)``."""
+    """S_ij of (43) from the modes of each state (second axis) to the modes of each state (first axis), without unit,
+    shape ``(S, S, N, N)``."""
     order: IntArray
     """The slots in the order in which to sum over states, shape ``(states met,)``."""
 
