@@ -1,32 +1,33 @@
-r"""How many modes are enough: a criterion, evaluated for the problem at hand.
+"""How many modes are enough: a criterion, evaluated for the problem at hand.
 
-With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  The error left
-is that their inertia is neglected: relative to the force of a closed stop of stiffness k,
+With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  The remaining
+error is the neglect of their inertia.  As a fraction of the force of a closed stop of stiffness k it is
 
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
-The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
-neglected at the fastest frequency omega_c that drives the contact.  omega_c is the largest of three: the excitation's
-frequency (of a record its usual rate), the lowest elastic frequency with the stops closed, and the contact's own.  A
-beam that meets a stop with the speed v takes the modal speeds k Phi_i v / omega_i^2 from it.  The modes left out of the
-contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3, whose impulse, over that of the impact, is e_N with
+The first factor is the part of the left-out modes in the compliance at the stop, times k.  The second factor is the
+neglected inertia at the fastest frequency omega_c that drives the contact, the largest of three frequencies:
+the excitation's frequency (the usual rate of a record), the lowest elastic frequency with the stops closed, and the
+frequency of the contact itself.  A beam that meets a stop with the speed v takes the modal speeds k Phi_i v / omega_i^2
+from it.  The modes left out of the contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3.  The impulse of
+this force, divided by the impulse of the impact, is e_N with
 
     omega_c^2 = 4 k c / M,
 
-as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, as the error
-of one impact goes on into the next ones: c is 3.  Without a modal damping ratio, which damps the modes left out before
-the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's motion Y the
-beam is pressed rather than thrown against a stop: there c is the ratio of the two impulses, 2 sqrt(g / Y) with half the
-room for g, if this is below 3.  Both constants are measured, on random joints of one to four stops anywhere, 1 to
-1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
+as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, because the
+error of one impact is carried into the next impacts: c is 3.  Without a modal damping ratio, which damps the left-out
+modes before the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's
+motion Y the beam is pressed rather than thrown against a stop.  There c is the ratio of the two impulses, 2 sqrt(g /
+Y), with half the room for g, if the ratio is below 3.  Both constants are measured, on random joints of one to four
+stops anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
 
-A load that is there at once excites every mode, and inertia does not help: the left-out modes, at rest in truth, start
-from their equilibrium here.  For a step load the share of the left-out modes in the compliance at the load,
-sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.  For the inertia of a base that starts
-with an acceleration, their share in the largest deflection has to be small.  A sine or a record counts with its size
-at t = 0 over its largest.
+A load that is present at t = 0 excites every mode, and inertia does not help: the left-out modes start from their
+equilibrium here, although in truth they are at rest.  For a step load the compliance of the left-out modes at the load,
+sum_{i > N} Phi_i^2 / omega_i^2 divided by the sum over all modes, has to be small by itself.  For the inertia of a base
+that starts with an acceleration, the part of the left-out modes in the largest deflection has to be small.  A sine or a
+record counts with its size at t = 0 divided by its largest size.
 
-An initial shape that is not straight and still also asks that the modes hold all but a thousandth of it.
+An initial state other than the straight beam at rest also requires that the modes hold all but a thousandth of it.
 """
 
 from __future__ import annotations

@@ -1,14 +1,16 @@
 """When a motion by the published scheme counts as settled, and the certificate that says so.
 
 The paper runs each motion "through steady state"; one that "appears transient after many thousands of impacts" is
-called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.  Here a motion has settled
-once the penetration times of all stops (the impulses over the stiffnesses) and the displacements at the stops at the
-end of the cycle repeat those 1, 2, ... `max_period_multiple` cycles before to `tolerance`, cycle by cycle for
-`_REPEATS` repeats, and from the first of these to the last.  Otherwise, after `patience` impacts or `max_periods`
-cycles, the next 1000 cycles are averaged and the motion is UNDECIDED.
+called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.
 
-No Newton here: a frozen shape that stops growing may take any value, so fixed points fill a continuum and only the
-march tells which of them a motion from rest comes to.
+Here the penetration times of all stops (the impulses divided by the stiffnesses) and the displacements at the stops at
+the end of the cycle are compared with the values p cycles before, for p = 1, 2, ... `max_period_multiple`.  A motion
+has settled when, for one p, they agree to `tolerance` cycle by cycle for `_REPEATS` repeats, and the last repeat also
+agrees with the first.  Otherwise, after `patience` impacts or `max_periods` cycles, the next 1000 cycles are averaged
+and the motion is UNDECIDED.
+
+Newton's method is not used: a frozen shape that stops growing may take any value, so fixed points fill a continuum, and
+only the march tells which fixed point a motion from rest approaches.
 """
 
 from __future__ import annotations
@@ -33,9 +35,7 @@ from lapjoint.solver import Progress
 _REPEATS = 20  # repeats after which a motion has settled: each repeats the one before, the last also the first
 _CYCLES_AVERAGED = 1000  # cycles of an unsettled motion whose impulses are averaged, as in the paper
 _CHUNK = 500  # cycles after which the number of impacts is compared with `patience`
-_SYMMETRIC = (
-    1e-4  # largest distance of a symmetric motion from its mirror image, as a fraction of the largest displacement
-)
+_SYMMETRIC = 1e-4  # largest distance of a symmetric motion from its mirror image, relative to the largest displacement
 _SAMPLES = 64  # times in half a motion at which it is compared with its mirror image
 
 
