@@ -1,4 +1,4 @@
-"""Modes, marches and the period map of a problem, by the options of a solver."""
+"""Modes, marches and the period map of a problem, computed with the options of a solver."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ from lapjoint.problem import Problem
 from lapjoint.solver import Progress
 
 _WINDOWS = 16
-"""Most windows of a stretch: some tens to hundreds of contacts."""
+"""Windows of the search for contacts in one stretch of a streamed motion; a stretch has some tens to hundreds of
+contacts."""
 _KNOTS = 32768
-"""Most knots of a stretch; the motion is kept at one knot of 64."""
+"""Limit of sample times (knots) of the forces in one stretch; the motion is kept at one knot of 64."""
 _ROUNDINGS = 1e-12
-"""Relative to the duration: a stretch that ends this near to the end of the motion is the last one."""
+"""A stretch that would end within this fraction of the duration before the end of the motion is the last one."""
 
 
 class Options(Protocol):
@@ -90,7 +91,8 @@ def _marched(solver: Options, problem: Problem, duration: float) -> Iterator[His
 
 
 def _stretch_end(model: Model, t: float, duration: float) -> float:
-    """End of a stretch that begins at a time, s: at the last knot of a block of sampled forces, if there is one."""
+    """End, s, of the stretch that begins at `t`: some windows later, and with sampled forces at the last knot within
+    them."""
     end = t + _WINDOWS * window_of(model, FREE)
     if model.problem.forces.ramps is not None:
         time = model.block_at(t)[0].time

@@ -1,7 +1,8 @@
 """The period map of the finite element solver, as the search for periodic motions uses it.
 
 A section point holds the displacements and slopes of all nodes, and their rates, which every problem on a mesh shares.
-Deviations are (q, q') in the modes of the joint without contact, whose mass is one: their norm needs no mass matrix.
+Deviations are (q, q') in the modes of the joint without contact.  The modal masses are one, so that the norm of a
+deviation needs no mass matrix.
 """
 
 from __future__ import annotations
@@ -43,11 +44,13 @@ from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
 _STRETCH = 16
-"""Excitation periods of the motion that are handed on at once."""
+"""Excitation periods in one stretch of a streamed motion."""
 _FEW = 64
-"""Most pieces along which a deviation is carried before it is scaled: a switch may multiply it by 1e4."""
+"""Most pieces of a march along which a deviation is carried before it is rescaled; a change of contact state may
+multiply the deviation by 1e4."""
 _TOUCHING = 1e-12
-"""Relative distance of gap and displacement up to which a stop keeps its contact state: as large as rounding may be."""
+"""A stop whose gap and displacement differ by less than this fraction keeps its contact state: the difference may be
+rounding."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ class PeriodMap:
 
     @cached_property
     def lowest_damping_rate(self) -> float:
-        """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
+        """Least positive damping rate zeta omega of the modes of the joint without contact, 1/s; 0 without damping."""
         damping_rate = self.model.system(FREE).damping_rate
         return float(damping_rate[damping_rate > 0].min(initial=math.inf)) if (damping_rate > 0).any() else 0.0
 
@@ -101,7 +104,7 @@ class PeriodMap:
 
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on, a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
+        """March a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
         point, total, switches = start, np.zeros(len(self.problem.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
             motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False, keep=False)
@@ -116,7 +119,8 @@ class PeriodMap:
         return self._recorded(start, [self.period] * periods, None)
 
     def simulated(self, duration: float, progress: Progress | None) -> History:
-        """The motion from the initial state to `duration`, s, in the pieces that the search marches."""
+        """The motion from the initial state to `duration`, s, marched a period at a time, as in the search for steady
+        states."""
         longest = max(window_of(self.model, FREE), longest_window(self.model, FREE, duration))
         require_room(self.model, duration / longest)
         motion = self._recorded(self.initial(), period_pieces(self.period, duration), progress)
@@ -144,7 +148,7 @@ class PeriodMap:
         return history_of(self.name, self.model, motions, self.period)
 
     def _marched(self, start: SectionPoint, pieces: list[float]) -> Iterator[March]:
-        """The pieces of a march, one after the other, each from its own time 0."""
+        """The marches of pieces that follow each other; each march counts time from 0."""
         point = start
         for piece in pieces:
             motion = march(self.model, point.state, self.modal(point), 0.0, piece)
@@ -169,7 +173,8 @@ class PeriodMap:
         return self.norm(self._free_modes(point.coordinates[:, self.model.assembly.free]))
 
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
-        """The point moved by a deviation, stops as its gaps have them. See `lapjoint.orbits.PeriodMap.moved`."""
+        """The point moved by a deviation, stops open or closed by their gaps.  See
+        `lapjoint.orbits.PeriodMap.moved`."""
         coordinates = origin.coordinates.copy()
         coordinates[:, self.model.assembly.free] += deviation.reshape(2, -1) @ self.model.system(FREE).vectors.T
         return self._settled(SectionPoint(origin.state, coordinates, origin.nodes))
@@ -181,7 +186,7 @@ class PeriodMap:
         return SectionPoint(state, -point.coordinates, point.nodes)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
-        """A point of another mesh, by its Hermite functions, or gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
+        """A section point, interpolated to this mesh if it is of another.  See `lapjoint.orbits.PeriodMap.adopted`."""
         assembly, coordinates = self.model.assembly, point.coordinates
         nodes = understood(self.problem, point)
         if not np.array_equal(nodes, assembly.nodes):
@@ -196,7 +201,7 @@ class PeriodMap:
         return self._settled(SectionPoint(point.state, full, assembly.nodes))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
+        """March and carry all deviations along. See `lapjoint.orbits.Tangent.linearised`."""
         model, y = self.model, self.modal(start)
         motion = march(model, start.state, y, 0.0, half_periods * self.period / 2, record=False)
         n, S, back = y.size // 2, model.transfer(FREE, start.state), model.transfer(motion.state, FREE)
@@ -218,7 +223,7 @@ class PeriodMap:
 
     @in_one_thread
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
+        """March and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
         impulses, switches = np.zeros((periods, len(self.problem.stops))), 0
         for i in range(periods):
@@ -262,7 +267,7 @@ class PeriodMap:
         return (coordinates @ self.model.weighted(FREE)).ravel()
 
     def _settled(self, point: SectionPoint) -> SectionPoint:
-        """The displacements with the contact state that they imply."""
+        """The section point with the contact state that its displacements imply."""
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
         depth = model.sign * z - model.gap
@@ -281,7 +286,8 @@ def _in_parts(motion: March) -> Iterator[March]:
 
 
 def _between(motion: History, start: float, end: float) -> History:
-    """A motion with its ends moved by a rounding, and with them the ends of the contacts that go on over them."""
+    """A motion whose ends are moved, by a rounding error, to `start` and `end`, with the contacts that are open
+    there."""
     contacts = tuple(
         replace(c, start=start if c.open_start else c.start, end=end if c.open_end else c.end) for c in motion.contacts
     )

@@ -1,6 +1,6 @@
 """The finite element solver: its numerical options, and its modes, motions and steady states.
 
-The modules that answer them bring scikit-fem and scipy along; they are imported when the first question is asked.
+The modules that compute the answers import scikit-fem and scipy; they are imported on the first call.
 """
 
 from __future__ import annotations
@@ -26,11 +26,13 @@ if TYPE_CHECKING:
 MOST_ELEMENTS = 1000
 METHODS = ("exact", "Radau", "BDF", "LSODA", "DOP853")
 FINER_ORBIT = 1.5
-"""Ratio of the number of elements of the mesh for errors of steady states to this solver's."""
+"""Number of elements of the mesh for errors of steady states, as a multiple of this solver's number."""
 FINER_MARCH = 4 / 3
-"""Ratio of the number of elements of the mesh for errors of a march to this solver's; it takes about as long again."""
+"""Number of elements of the mesh for errors of a march, as a multiple of this solver's number; the finer march takes
+about as long as the march itself."""
 ORDER = 4.0
-"""Power of the number of elements with which errors fall: that of frequencies by cubic elements."""
+"""Errors fall with this power of the number of elements: the order of convergence of frequencies with cubic
+elements."""
 
 
 @dataclass(frozen=True)
@@ -40,19 +42,20 @@ class Solver:
     Parameters
     ----------
     elements : int
-        About how many elements over the beam; every support, stop and point load gets a node besides.
+        Approximate number of elements along the beam; every support, stop and point load gets a node in addition.
     nodes : tuple of float, optional
         Nodes of a graded mesh, m, instead of `elements`.
     method : str
         "exact" (the flow that `fe_lapjoint.ExactPropagator` steps by), or a method of `solve_ivp`: "Radau", "BDF",
         "LSODA" or "DOP853".
-        The mesh's highest frequency rises with the square of `elements`; explicit steps and LSODA then crawl.
+        The mesh's highest frequency rises with the square of `elements`, and makes explicit methods and LSODA slow.
     rtol, atol : float
         Tolerances of the library methods: relative, and absolute in kg^1/2 m and kg^1/2 m/s.
     max_period_multiple : int
-        Longest periodic motion looked for, in excitation periods.
+        Longest period of the periodic motions searched for, in excitation periods.
     max_periods : int
-        Most excitation periods marched in search of a steady state; a stretch of 512 more where an exponent is due.
+        Limit of the excitation periods marched in search of a steady state.  Another 512 are marched where a Lyapunov
+        exponent has to be measured.
 
     Raises
     ------
@@ -92,12 +95,13 @@ class Solver:
         Parameters
         ----------
         factor : float
-            How many times as many elements; each element of given nodes is split in as many.
+            New number of elements as a multiple of the old; each element between given nodes is split into
+            `factor` equal parts, rounded up.
 
         Returns
         -------
         Solver
-            With the other options as they are.
+            A solver with the other options unchanged.
         """
         elements = math.ceil(self.elements * factor)
         if self.nodes is None:
@@ -146,10 +150,10 @@ class Solver:
         duration : float
             How long, s.
         errors : bool
-            Whether to estimate the numerical errors of the contacts, from a march by a finer self of this solver; it
-            takes about as long again.
+            Whether to estimate the numerical errors of the contacts, from a second march on a finer mesh, which
+            takes about as long as the first.
         progress : callable, optional
-            Called with (done, total), in the same unit.
+            Called with (done, total), both in seconds of motion or both in excitation periods.
 
         Returns
         -------
@@ -159,9 +163,9 @@ class Solver:
         Raises
         ------
         InputError
-            If `duration` is not positive and finite, or longer than a record.
+            If `duration` is not positive and finite, or longer than the record of a sampled force.
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
         problem.check_duration(duration)
         from fe_lapjoint import answers
@@ -184,15 +188,16 @@ class Solver:
         Returns
         -------
         iterator of History
-            Each begins where the one before ends; the first at 0, the last ends at `duration`.  A contact that goes on
-            over an end is in both, marked as open there.  No errors are estimated.
+            Stretches in order of time.  The first begins at 0, each other one where its predecessor ends, and the last
+            ends at `duration`.  A contact that lasts from one stretch into the next is in both, marked as open at their
+            common end.  No errors are estimated.
 
         Raises
         ------
         InputError
-            If `duration` is not positive and finite, or longer than a record.
+            If `duration` is not positive and finite, or longer than the record of a sampled force.
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
         problem.check_duration(duration)
         from fe_lapjoint import answers
@@ -220,12 +225,13 @@ class Solver:
             the same length.  Frequency, amplitude, gaps, stiffnesses, damping and mesh may differ; a stop is closed at
             first where it is pressed.
         sensitivity : bool
-            Whether to measure how much deviations grew on the way, `Acceptance.growth`; it takes about as long again.
+            Whether to measure how much deviations grew during the march, `Acceptance.growth`, which doubles the time
+            of the call, approximately.
         errors : bool
-            Whether to estimate the numerical errors of the impulses and of the contacts, from a finer self of this
-            solver; it takes less than as long again.
+            Whether to estimate the numerical errors of the impulses and of the contacts, from the same steady state on
+            a finer mesh, which takes less time than the search itself.
         progress : callable, optional
-            Called with the periods marched, and the most allowed.
+            Called with the periods marched, and their limit.
 
         Returns
         -------
@@ -235,9 +241,9 @@ class Solver:
         Raises
         ------
         InputError
-            If the excitation has no period, `method` is not "exact", or `start` is no such section point.
+            If the excitation has no period, `method` is not "exact", or `start` is not a section point of this kind.
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
         from lapjoint.orbits import Effort, find_steady_state
 
@@ -267,7 +273,7 @@ class Solver:
         return FinerMap(refinement, finer.period_map(problem))
 
     def _with_errors(self, motion: History, duration: float) -> History:
-        """The march with the errors of its contacts."""
+        """The motion with estimated errors of its contacts, from a march on a finer mesh."""
         from fe_lapjoint import answers
         from lapjoint.orbits.contact_errors import with_contact_errors, without_contact_errors
         from lapjoint.orbits.refinement import Refinement
@@ -290,7 +296,7 @@ class Solver:
         Returns
         -------
         tuple of Refinement and Solver
-            What is known of it, and the solver.
+            How the finer mesh compares with this solver's, and the finer solver.
         """
         from lapjoint.orbits.refinement import Refinement
 

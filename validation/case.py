@@ -37,7 +37,7 @@ class CaseResult:
     name: str
     title: str
     question: str
-    """What the case asks, and how its numbers were obtained: a paragraph."""
+    """The question of the case, and the origin of its numbers: a paragraph."""
     checks: tuple[Check, ...] = ()
     criteria: tuple[Criterion, ...] = ()
     tables: tuple[Table, ...] = ()

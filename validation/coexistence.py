@@ -1,8 +1,8 @@
 """Why two solvers that are each right about their own march may still come to different motions.
 
-Where motions exist side by side, a march whose transient is chaotic is led to one or the other by rounding.  So the
-motion of one solver is handed to the other as an initial shape: if that settles to it, both motions exist in both
-solvers.  If not, a motion may exist in one and not quite in the other, where it is all but losing its stability.
+Where motions exist side by side, rounding decides to which of them a chaotic transient leads.  The motion of one solver
+is therefore handed to the other as an initial shape: if the second solver settles to it, both motions exist in both
+solvers.  If not, the motion may exist in one solver only, because it is about to lose its stability.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ class Motion:
 
 
 def same_motion(one: SteadyState, other: SteadyState) -> bool:
-    """Whether two steady states agree in class, period and, to `SAME` of the largest, impulses; mirrors differ."""
+    """Whether two steady states agree in class, period and, to `SAME` of the largest, impulses; mirror images
+    differ."""
     if (one.outcome is Outcome.NO_CONTACT) != (other.outcome is Outcome.NO_CONTACT):
         return False
     if one.period_multiple != other.period_multiple:

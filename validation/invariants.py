@@ -29,9 +29,9 @@ import numpy as np
 
 from lapjoint.answers import History, SteadyState
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from validation.references.panels import gauss_panels
 from validation.verdict import Criterion
 
-_GAUSS = np.polynomial.legendre.leggauss(12)  # points and weights on each panel
 _PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
 _MOST_HALVINGS = 8  # Most halvings of the panels in time
 _BALANCED = 1e-3  # Least angular momentum over that of all momentum at one end: less is a balanced motion, and rounding
@@ -46,9 +46,7 @@ def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Floa
     for a, b in itertools.pairwise(breaks):
         if b > a:
             edges.append(np.linspace(a, b, pieces * max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
-    e = np.concatenate(edges)
-    half = np.diff(e)[:, None] / 2
-    return ((e[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+    return gauss_panels(np.concatenate(edges), 12)
 
 
 def _space(history: History) -> tuple[FloatArray, FloatArray]:
@@ -132,6 +130,15 @@ def _time_integral(
         if np.ptp(values[-3:]) <= 0.1 * tolerance * scale:
             break
     return values[-1]
+
+
+def _impulse(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:
+    """Impulse of a stop between the first and the last break by the force law, N s."""
+
+    def force(t: FloatArray) -> FloatArray:
+        return -np.asarray(history.contact_force(np.minimum(t, history.end))[stop])
+
+    return _time_integral(force, breaks, history, tolerance, scale)
 
 
 def _knots(history: History, start: float, end: float) -> FloatArray:
@@ -291,11 +298,7 @@ def stated_impulses(history: History, tolerance: float) -> Criterion:
             continue
         inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]
         breaks = np.array([contact.start, *inside, contact.end])
-
-        def force(t: FloatArray, k: int = contact.stop) -> FloatArray:
-            return -np.asarray(history.contact_force(np.minimum(t, history.end))[k])
-
-        area = _time_integral(force, breaks, history, tolerance, largest)
+        area = _impulse(contact.stop, breaks, history, tolerance, largest)
         worst = max(worst, abs(area - contact.impulse))
     return Criterion("stated impulse against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
 
@@ -421,18 +424,14 @@ def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
     Criterion
         The largest difference over all stops, over the largest impulse.
     """
-    history, stops = found.history, range(len(found.history.problem.stops))
+    history = found.history
     breaks = np.unique([history.start, *history.switch_times, history.end])
     largest = max(float(np.abs(found.impulses).max(initial=0.0)), 1e-300)
     periods = max(found.period_multiple, 1)
     worst = 0.0
-    for k in stops:
-
-        def force(t: FloatArray, k: int = k) -> FloatArray:
-            return -np.asarray(history.contact_force(np.minimum(t, history.end))[k])
-
-        area = _time_integral(force, breaks, history, tolerance, largest * periods)
-        worst = max(worst, abs(area / periods - float(found.impulses[k])))
+    for k, impulse in enumerate(found.impulses):
+        area = _impulse(k, breaks, history, tolerance, largest * periods)
+        worst = max(worst, abs(area / periods - float(impulse)))
     return Criterion("impulse per period against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
 
 

@@ -29,7 +29,7 @@ FLOOR = 1e-12
 
 @dataclass(frozen=True)
 class Refined:
-    """What was refined, and to what."""
+    """The refined quantity of a solver, and its finest value."""
 
     source: ErrorSource
     what: str

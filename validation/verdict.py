@@ -14,7 +14,7 @@ from enum import Enum
 
 
 class Kind(Enum):
-    """Where a number comes from."""
+    """Origins of a number."""
 
     COMPUTED = "computed here"
     ANALYTICAL = "analytical"
@@ -25,7 +25,7 @@ class Kind(Enum):
 
 
 class ErrorSource(Enum):
-    """What makes a computed number uncertain."""
+    """Sources of uncertainty of a computed number."""
 
     MESH = "mesh"
     MODES = "modes"
@@ -55,7 +55,7 @@ def source_name(source: ErrorSource | Kind) -> str:
 
 
 class Verdict(Enum):
-    """What a comparison came to."""
+    """Verdicts on a comparison."""
 
     AGREE = "agree"
     DISAGREE = "disagree"
@@ -71,7 +71,7 @@ class Estimate:
     how: str
     kind: Kind = Kind.COMPUTED
     parts: tuple[tuple[ErrorSource, float], ...] = ()
-    """What contributes to the uncertainty, and how much of it: the amounts add up; empty: not broken down."""
+    """Contributions to the uncertainty, which add up to it; empty where it is not broken down."""
 
     @property
     def contributions(self) -> tuple[tuple[ErrorSource | Kind, float], ...]:
@@ -119,14 +119,15 @@ class Check:
 
     @property
     def used(self) -> float:
-        """Difference over what is allowed; infinite where nothing is allowed and something differs."""
+        """Difference over the allowed difference; infinite where nothing is allowed and something differs."""
         if self.difference == 0:
             return 0.0
         return abs(self.difference) / self.allowed if self.allowed else math.inf
 
     @property
     def reference(self) -> Kind:
-        """Kind of reference: that of the number that was not computed here; else one method checks the other."""
+        """Kind of the reference, which is the number that was not computed here; otherwise one method checks the
+        other."""
         given = [e.kind for e in (self.b, self.a) if e.kind is not Kind.COMPUTED]
         return given[0] if given else Kind.CROSS_METHOD
 

@@ -1,27 +1,28 @@
 """Motions of the finite element model with a given contact sequence, and their derivatives.
 
-`lapjoint.orbits.arcs` says how they are used.  Within an arc the motion y = (q, q') is the forced motion p and a free
-one,
+An arc is the motion from one switch to the next; `lapjoint.orbits.arcs` says how arcs are used.  Within an arc the
+motion y = (q, q') is the forced motion p and a free one,
 
     y(t + d) = p(t + d) + F(d) (y(t) - p(t)),
 
 and the orthogonal map S takes it from the modes of one contact state to those of the next.  The derivative of the start
-of the second arc by the time of the event between two arcs, with all other times fixed, is
+of the second arc by the time of the switch between two arcs, with all other times fixed, is
 
     S f- - f+ = (0, S q''- - q''+),
 
-with f- and f+ the rates before and after.  Displacements and velocities go on; accelerations differ by the damping of
-the two states and by the force of the stop that switches, where it is not zero.  The derivative by a duration is the
-sum of the derivatives by the times of its own end and of all later ends.
+with f- and f+ the rates before and after.  Displacements and velocities are continuous.  Accelerations differ by the
+damping of the two states, and by the force of the stop that switches, where this force is not zero.  The derivative by
+the duration of an arc is the sum of the derivatives by the times of its end and of all later ends.
 
-Where a stop returns, its equation is the mean rate of h over the arc,
+Where the stop that ends an arc also began it, the equation of the event is the mean rate of its gap function h over the
+arc,
 
     (h(d) - h(0)) / d = int_0^1 h'(s d) ds.
 
-Its derivative by the time of the arc's end is int_0^1 s h''(s d) ds, and int_0^1 (1 - s) h''(s d) ds by the time of the
-start as that moves along the arc.  Of each mode and each load, which is an undamped mode here, these means are
-differences of both ends over powers of d for a fast mode, and integrals by Gauss' rule, which do not cancel, for a slow
-one: a mode that turns, rises or falls by at most 1 over the arc.
+The derivative of this mean by the time of the arc's end is int_0^1 s h''(s d) ds.  By the time of the start, moved
+along the arc, it is int_0^1 (1 - s) h''(s d) ds.  The means are sums over modes and loads; a load is an undamped mode
+here.  For a fast mode they are computed from differences between both ends, divided by powers of d.  For a slow mode,
+one that turns, rises or falls by at most 1 over the arc, they are integrals by Gauss' rule, which do not cancel.
 """
 
 from __future__ import annotations
@@ -195,7 +196,7 @@ class Arcs:
 def forced(system: System, t: float, since: float = 0.0) -> FloatArray:
     """Forced motion (q, q') at time `t`, s, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.
 
-    A rigid-body mode without drag is at rest at the start of the arc, `since` seconds ago, but for its ramp.
+    Rigid-body modes have drifted under the constant forces for `since` seconds, from 0 at the start of the arc.
     """
     by_loads, constant = system.motion_by_loads
     motion = by_loads @ np.exp(1j * (system.driven * t + system.phase)).view(float) + constant
@@ -210,7 +211,7 @@ class _MeanRate:
     """The mean rate of a stop's gap function h over an arc, (h(end) - h(start)) / d, at any d."""
 
     value: float
-    """m/s."""
+    """The mean rate, m/s."""
     by_start: FloatArray
     """Its derivatives by (q, q') at the start, shape ``(2, n)``."""
     by_shifted_start: float
@@ -303,10 +304,11 @@ class _Arc:
 
 
 def _means(a: FloatArray, omega: FloatArray, d: float) -> FloatArray:
-    """Means over a time d of free modes with damping rates and frequencies ``(n,)``, shape ``(3, 2, n)``.
+    """Means over a time `d`, s, of free modes with damping rates and frequencies ``(n,)``, shape ``(3, 2, n)``.
 
-    The three means are of the velocity, of the acceleration weighted by the part of the time that is left, and of the
-    acceleration weighted by the part that has gone by.  Each is after a unit displacement, and after a unit velocity.
+    The first mean is of the velocity.  The other two are of the acceleration, weighted by the fraction of the time that
+    is left, and by the fraction that has passed.  Each mean is given after a unit displacement, and after a unit
+    velocity.
     """
     slow = np.where(omega > a, omega, a + np.sqrt(np.maximum(a**2 - omega**2, 0.0))) * abs(d) <= 1
     means = np.empty((3, 2, a.size))

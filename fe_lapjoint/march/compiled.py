@@ -1,7 +1,9 @@
-"""The sums of an exact flow over its terms, compiled: on a hundred numbers, numpy spends more on calls than on sums.
+"""The sums of an exact flow over its terms, compiled: for a hundred numbers, numpy spends more time on calls than on
+sums.
 
-A flow has ``n`` modes and ``H`` loads; its motion at each of ``p`` places is the real part of a sum of ``m`` terms
-c exp(r s): one for each mode that oscillates, one for each load, and a constant with r = 0, the last.
+A flow has ``n`` modes and ``H`` loads.  Its motion at each of ``p`` places, the positions of stops, is the real part of
+a sum of ``m`` terms c exp(r s).  There is one term for each mode that oscillates, one for each load, and last a
+constant with r = 0.
 """
 
 from __future__ import annotations
@@ -14,7 +16,8 @@ from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SWINGS = 4.0
-"""A term of rate r swings within a width w if |r| w is larger: then 2 |c| is less than w^2 |c r^2| / 8."""
+"""A term c exp(r s) swings within a width w, s, if |r| w is larger.  Its bound by amplitude, 2 |c|, is then less than
+its bound by curvature, w^2 |c r^2| / 8."""
 
 
 @njit_called()
@@ -31,11 +34,11 @@ def start_terms(
     """The terms of a flow at its start, from (q, q') there, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.
 
     Given are the loads' angular frequencies, rad/s, and phases, rad, ``(H,)``; the forced motion by real and imaginary
-    part of each load, ``(2 n, 2 H)``, and without loads, ``(2 n,)``; the modes that oscillate, with the real parts of
-    their roots, 1/s, and the inverse imaginary parts, s; the share of each term in the motion of the places, ``(p,
-    m)``; and the moduli of these shares followed by those of all modes, ``(p, m + n)``.
+    part of each load, ``(2 n, 2 H)``, and without loads, ``(2 n,)``; the indices of the modes that oscillate, with the
+    real parts of their roots, 1/s, and the inverse imaginary parts, s; the factor of each term in the motion of the
+    places, ``(p, m)``; and the moduli of these factors followed by those of all modes, ``(p, m + n)``.
 
-    Given back are (q, q') less the forced motion, ``(2, n)``; the complex amplitudes of the terms and their moduli,
+    Returned are (q, q') less the forced motion, ``(2, n)``; the complex amplitudes of the terms and their moduli,
     ``(m,)``; the amplitudes in the motion of each place, m, ``(p, m)``; and the sum of the moduli of all addends of
     each place's displacement, m, ``(p,)``.
     """
@@ -115,10 +118,10 @@ def at_row(terms: ComplexArray, rates: ComplexArray, place: int, waves: FloatArr
 def above_troughs(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: FloatArray, width: float
 ) -> FloatArray:
-    """How far the swinging terms lie, at the ends of intervals, above their least value within, m, shape ``(2, i)``.
+    """Sum of the swinging terms at both ends of each interval, less its lower bound within, m, shape ``(2, i)``.
 
-    Given are a place's amplitudes, m, and rates, 1/s, ``(m,)``; the moduli of the rates of terms that may swing, else
-    0, 1/s, ``(m,)``; `side`, +1 for the place's motion or -1 for its opposite; the beginnings of the intervals after
+    Given are a place's amplitudes, m, and rates, 1/s, ``(m,)``; the moduli of the rates, 1/s, or 0 for terms that may
+    not swing, ``(m,)``; `side`, +1 for the place's motion or -1 for its opposite; the beginnings of the intervals after
     the start, s, ``(i,)``; and their width, s.
     """
     above = zeros((2, s.size))
@@ -131,7 +134,7 @@ def above_troughs(
 def above_trough(
     terms: ComplexArray, rates: ComplexArray, speeds: FloatArray, side: float, s: float, width: float
 ) -> tuple[float, float]:
-    """`above_troughs` for one interval that begins `s` seconds after the start: at its beginning and at its end, m."""
+    """The two numbers of `above_troughs`, m, for one interval that begins `s` seconds after the start."""
     begin, end = 0.0, 0.0
     for k in range(rates.size):
         if speeds[k] * width > SWINGS:

@@ -29,8 +29,8 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, ModalDamping
 
 MOST_SWITCHES = 3000
-"""Most switches of a stop in the time of one window, if one of these causes holds: some ten seconds of computing.
-Where a vibrating beam is thrown against a stop that is too stiff for it, 40 elements make up to two thousand."""
+"""Most switches of a stop in one window where one of the two causes holds; these many take some ten seconds of
+computing.  A vibrating beam of 40 elements that is thrown against a stop too stiff for it makes up to two thousand."""
 
 
 def bounce_ratio(model: Model) -> FloatArray:
@@ -43,7 +43,7 @@ def bounce_ratio(model: Model) -> FloatArray:
 
 @dataclass
 class Crowd:
-    """The switches of each stop in the time of one window."""
+    """Counts of the switches of each stop within one window."""
 
     model: Model
     window: float
@@ -68,7 +68,7 @@ class Crowd:
             raise SolverError(f"{name}: more than {MOST_SWITCHES} switches {when}: {cause}")
 
     def _cause(self, stop: int, ratio: float) -> str:
-        """Why the switches of a stop crowd, and what to change; empty if neither cause holds."""
+        """The cause of a stop's crowded switches, and what to change; empty if neither cause holds."""
         stiffness, damping = float(self.model.stiffness[stop]), self.model.problem.damping
         if ratio > 1:
             return (

@@ -6,10 +6,10 @@ strays from a chord and from a tangent, see `fe_lapjoint.march.envelope`, clear 
 others are halved until they are clear, or h rises all the way through one of them, where Newton's method finds the
 crossing.  None of the bounds has a unit of its own: a motion a million times as fast is searched in as many steps.
 
-A stop switches where h exceeds its `level`, half of the rounding error of a gap that is closed, and the switch is where
-h passes through 0 before that.  A stop that has just switched is at h = 0; it must rise above its level to switch
-again.  Thus rounding makes no contact, and a stop that rests on a gap of zero stays as it is.  Between two samples that
-do not exceed the level, a bound as small as rounding is no switch, either: see `SURE`.
+A stop switches once h exceeds its `level`, half of the rounding error of h; the time of the switch is where h last
+passed through 0 before.  A stop that has just switched is at h = 0, and h must exceed the level before it switches
+again.  Thus rounding makes no contact, and a beam that rests on a stop without a gap does not switch it.  Between two
+samples that do not exceed the level, a bound as small as rounding is no switch, either: see `SURE`.
 
 `searching` makes the search from the functions that read a motion.  `in_python` reads any gap functions.  Where the
 functions that read a motion are compiled, the search is compiled, too; see `fe_lapjoint.march.gaps`.
@@ -33,19 +33,21 @@ IndexArray = npt.NDArray[np.intp]
 _STEPS = 60
 """Most steps of Newton's method or of halving; 52 halvings reach the last digit of an interval."""
 CONTINUOUS = 1e6
-"""In roundings: a stop further than this beyond its switch has not just switched; it switches at once."""
+"""In rounding errors of h: a stop further than this beyond its switch at the start has not just switched; it switches
+at once."""
 SURE = 0.5
-"""In roundings: a value of h this far above 0 makes a stop switch.
+"""In rounding errors of h: a value of h this far above 0 makes a stop switch.
 
-A bound on h between two values may exceed 0 by a whole rounding without a switch, so that a motion that stays near its
-level is not searched for ever.
+A bound on h between two values may exceed 0 by a whole rounding error without a switch, so that a motion that stays
+near its level is not searched without end.
 """
 _LATE = 4
-"""In resolutions: the switch of another stop may have been located this much later."""
+"""In units of the resolution, `_RESOLUTION` of the time: the switch of another stop may have been located this much
+later."""
 _RESOLUTION = 2.0**-50
 """Relative error of a located crossing: four rounding errors of the times that are searched."""
 _FEW = 4
-"""Number of steps that are searched sooner than a second look excludes some of them."""
+"""Up to this many steps are searched directly; of more steps, a bound for each step excludes some first."""
 
 
 class BoundedGaps(Protocol):
@@ -59,7 +61,7 @@ class BoundedGaps(Protocol):
         """Bounds on \\|h''\\| at all times, m/s2, shape ``(P,)``: quickly had, for a first look."""
 
     def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far each gap function may leave the range of its values at both ends of intervals, m, shape ``(P, i)``.
+        """How far each gap function may exceed the larger of its values at both ends of an interval, m, ``(P, i)``.
 
         The intervals begin at `t`, s, ``(i,)``, and are `width` seconds wide.
         """
@@ -67,15 +69,15 @@ class BoundedGaps(Protocol):
     def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
         """Upper bound on `side` (+1 or -1) times the gap function of stop `k` in intervals, m, shape ``(i,)``.
 
-        The intervals begin at `t`, s, ``(i,)``, are `width` seconds wide, and have the values `ends`, m, ``(2, i)``.
-        The bound is lower than the higher end and `from_chord` allow where a term swings within an interval: such a
-        term reaches its crest at most, wherever it is at the ends.
+        The intervals begin at `t`, s, ``(i,)``, and are `width` seconds wide; the gap function at their ends is `ends`,
+        m, ``(2, i)``.  The bound is below the larger value at the ends plus `from_chord` where a term swings within an
+        interval: at its crest a swinging term equals its amplitude, whatever its values at the ends.
         """
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """How far the gap function of stop `k`, m, and its rate, m/s, may stray within `width` seconds from time `t`.
 
-        A part s of that time accounts for at most the part s / width of the displacement.
+        Within the first s of these seconds, the gap function strays by at most s / width of its bound.
         """
 
 
@@ -83,7 +85,7 @@ class Gaps(BoundedGaps, Protocol):
     """Gap functions with bounds that can be read at many times, and at the steps of the search's grid."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
-        """All gap functions at the times ``t``, s, shape ``(m,)``: m, shape ``(P, m)``."""
+        """All gap functions, m, at the times ``t``, s, shape ``(m,)``; gives shape ``(P, m)``."""
 
     def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
         """h, m, and h', m/s, of stop `k` at the beginning, then at the end, of step `i` of the searched grid."""
@@ -95,10 +97,10 @@ def _first_look(
 ) -> tuple[BoolArray, FloatArray, BoolArray, IndexArray, tuple[FloatArray, BoolArray, BoolArray]]:
     """Which stops may switch in which steps of the grid, by a bound on the curvature; arguments as in `searching`.
 
-    Given back are: whether each stop has just switched, ``(P,)``; the level that h must exceed, m, ``(P,)``; which
-    stops may exceed their level in which steps, up to the first step that is sure to have a crossing, ``(P, m)``; the
-    steps in which any stop may switch, ``(s,)``; and zeroed arrays ``(P, 4)``, ``(P,)``, ``(P,)`` for the findings of a
-    step.
+    Returned are: whether each stop has just switched, ``(P,)``; the level that h must exceed, m, ``(P,)``; which stops
+    may exceed their level in which steps, up to the first step that is sure to have a crossing, ``(P, m)``; the steps
+    in which any stop may switch, ``(s,)``; and zeroed arrays ``(P, 4)``, ``(P,)``, ``(P,)`` that the search of a step
+    fills.
     """
     stops, last = h.shape[0], h.shape[1] - 1
     held, level = bool_zeros(stops), SURE * rounding
@@ -125,7 +127,8 @@ def _first_look(
 
 @njit_called()
 def _passed(rising: tuple[float, ...], level: float) -> float:
-    """Estimate of when a rising gap function passes a level: time as a cubic in h, by values and rates at both ends."""
+    """Estimate of the time, s, when a rising gap function passes a level: a cubic in h, by values and rates at both
+    ends."""
     start, end, h, rate, h_end, rate_end = rising
     width, rise = end - start, h_end - h
     u = (level - h) / rise
@@ -178,11 +181,11 @@ def searching(reads: GapReaders, inner: Function = _as_it_is, outer: Function = 
       the rounding error of each, m, ``(P,)``; `fresh` whether each stop may have switched at ``t[0]``, where its gap
       function is then zero but for rounding, ``(P,)``; `curvature` bounds on their curvature, m/s2, ``(P,)``.
 
-    - ``first_in(gaps, start, end, which, ends, level, rounding, touching, curvature, latest)`` finds it in one part of
-      the time.  `which` says the stops that may switch in it, ``(P,)``; `ends` their gap functions, m, and rates, m/s,
-      at its start and at its end, ``(P, 4)``; `level` what each must exceed and `rounding` how much of it is rounding,
-      m, ``(P,)``; `touching` whether each has just switched where the part begins, ``(P,)``; `latest` is the largest
-      modulus of the times, s, to the rounding of which a crossing is located.
+    - ``first_in(gaps, start, end, which, ends, level, rounding, touching, curvature, latest)`` finds the first crossing
+      from `start` to `end`, s.  `which` says the stops that may switch then, ``(P,)``; `ends` their gap functions, m,
+      and rates, m/s, at `start` and at `end`, ``(P, 4)``; `level` the value that each must exceed and `rounding` its
+      rounding error, m, ``(P,)``; `touching` whether each has just switched at `start`, ``(P,)``; `latest` is the
+      largest modulus of the times, s, to the rounding of which a crossing is located.
     """
     at, at_step, from_chord, ceiling, from_tangent = reads
 
@@ -192,7 +195,7 @@ def searching(reads: GapReaders, inner: Function = _as_it_is, outer: Function = 
     ) -> float:
         """Where a gap function that rises all the way passes a level: Newton's method, kept between the ends.
 
-        It is done when so short a step remains that the curvature moves the crossing by less than the resolution: a
+        It ends with a step so short that the curvature moves the crossing by less than the resolution: a
         step s at a rate of more than 2 B s, with B the bound on the curvature, misses the crossing by at most
         B s^2 / rate.
         """
@@ -231,8 +234,8 @@ def searching(reads: GapReaders, inner: Function = _as_it_is, outer: Function = 
             return t
         touching = touching or h > level
         level, width = max(h, level), end - t
-        # From where a stop has just switched, widths grow from nothing.  A part of a swing may be unclear where whole
-        # swings, whose crest is known, are clear: therefore a width as long as all before it is tried, too.
+        # After a switch, widths grow from nothing.  A part of a swing may be unclear where whole swings, whose crest
+        # is known, are clear: therefore a width as long as the whole time since the switch is tried, too.
         clear, begin = level + (1 - SURE) * rounding, t if touching else math.inf
         while t < end:
             last = width >= end - t

@@ -53,10 +53,10 @@ class Later:
 
 
 def history_of(name: str, model: Model, motions: Sequence[March], period: float, first: int = 0) -> History:
-    """Recorded marches that follow each other as one History.
+    """One History of recorded marches that follow each other.
 
-    Each march counts time from 0, and begins `period` seconds after the one before it. `first` is the number of marches
-    before the first one given.
+    Each march counts time from 0, and begins `period` seconds after the one before it.  `first` is the number of
+    marches before the first one given.
     """
     pieces = [_later(piece, i * period) for i, motion in enumerate(motions, first) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
@@ -82,7 +82,7 @@ def _later(piece: Piece, offset: float) -> Piece:
 
 
 def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contact, ...]:
-    """All contacts, by start time; a contact that one march ends with and the next begins with is one."""
+    """All contacts, by start time; a contact that lasts from one march into the next is one contact."""
     done: list[Contact] = []
     going: dict[int, Contact] = {}
     for i, motion in enumerate(motions, first):

@@ -35,13 +35,13 @@ class FlowTerms(NamedTuple):
     swinging: FloatArray
     """\\|r\\| of the terms that may be taken for swinging, 1/s; 0 for the others; shape ``(m,)``."""
     grid: FloatArray
-    """exp(r s) on the grid that is searched, conjugate, as pairs of real numbers, shape ``(SAMPLES + 1, 2 m)``."""
+    """Conjugates of exp(r s) on the grid that is searched, as pairs of real numbers, shape ``(SAMPLES + 1, 2 m)``."""
     place_of: IndexArray
     """Which place each stop is at, shape ``(P,)``."""
     orientation: FloatArray
-    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    """Sign of z in each gap function, +1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
-    """m, shape ``(P,)``; see `Model.offset`."""
+    """Gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `Model.offset`."""
     shares: FloatArray
     """As in `Envelope`, shape ``(p, m - 1)``."""
     fading: FloatArray
@@ -100,11 +100,11 @@ class FlowGaps:
 
     flow: Flow
     orientation: FloatArray
-    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    """Sign of z in each gap function, +1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
-    """m, shape ``(P,)``; see `Model.offset`."""
+    """Gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `Model.offset`."""
     step: float
-    """Spacing of the grid that is searched, which begins with the flow, s."""
+    """Spacing of the grid that is searched, s; the grid begins with the flow."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
@@ -175,9 +175,9 @@ class SolutionGaps:
     end: float
     """End of the window, s."""
     orientation: FloatArray
-    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    """Sign of z in each gap function, +1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
-    """m, shape ``(P,)``; see `Model.offset`."""
+    """Gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `Model.offset`."""
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
@@ -222,7 +222,7 @@ class SolutionGaps:
     def curvature(self) -> FloatArray:
         """Twice the largest of 200 samples of |z''| at the stops, m/s2, shape ``(P,)``.
 
-        It is no bound, but dense output gives none.
+        It is an estimate, not a bound: dense output gives no bound.
         """
         sampled = np.abs(self.stops @ self.coordinates(np.linspace(self.start, self.end, 200), 2))
         return np.asarray(2 * sampled.max(axis=1, initial=0.0))

@@ -24,18 +24,18 @@ from lapjoint.problem import FloatArray
 
 ShapeFunction = Callable[..., FloatArray]
 _ORDERS = 6
-"""Number of time derivatives of a gap function that are looked at, from the velocity on.
+"""Number of time derivatives of a gap function that are examined, from the velocity on.
 
-The sixth shows a force that begins with its fourth derivative on a beam at rest.
+On a beam at rest, a force that begins with its fourth derivative appears in the sixth derivative of the gap.
 """
 _DIGITS_LOST = 64 * float(np.finfo(float).eps)
 """Bound on the rounding error of a sum of some hundred addends, relative to the sum of their moduli."""
 
 
 def initial_state(model: Model) -> ContactState:
-    """The stops that are pressed at t = 0, or touched by a beam that goes on to press them.
+    """The stops that are pressed at t = 0, or that the beam touches at t = 0 and then presses.
 
-    A stop at which the beam rests for good is open.
+    A stop is open if the beam touches it and no derivative examined differs from 0.
     """
     initial, stops = model.problem.initial, model.problem.stops
     gaps = np.array([it.sign * float(initial.displacement_at(np.array(it.x))) - it.gap for it in stops])
@@ -95,7 +95,8 @@ def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) -> tuple[FloatArray, FloatArray]:
-    """K u of a shape of the beam in modal coordinates, and its rounding error, in the unit of the shape over s2."""
+    """K u of a shape of the beam in modal coordinates, and its rounding error, kg^1/2/s2 times the unit of the
+    shape."""
     beam, h = assembly.problem.beam, np.diff(assembly.nodes)
     offset = np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
     x = (assembly.nodes[:-1, None] + h[:, None] * offset).ravel()
@@ -117,6 +118,6 @@ def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
 
 
 def _nodal(assembly: Assembly, shape: ShapeFunction) -> FloatArray:
-    """The free degrees of freedom of a shape, by Hermite interpolation, in its unit, ``(n,)``."""
+    """The free degrees of freedom of a shape, by Hermite interpolation, in the unit of the shape, ``(n,)``."""
     L = assembly.problem.beam.length
     return np.stack([shape(assembly.nodes), L * shape(assembly.nodes, 1)], axis=1).ravel()[assembly.free]

@@ -5,7 +5,7 @@ by `solve_ivp` with one of scipy's own methods and dense output.  `fe_lapjoint.m
 in that motion; there the state is changed, the modal coordinates are mapped, and the next window begins.  A window of
 the exact flow in which every stop stays well away from its switch is followed by one of twice the length, up to a third
 of the shortest excitation period, so that a slow motion takes few windows.  Any other window is followed by one of the
-first length. `fe_lapjoint.ExactPropagator` is the same exact flow as a method of `solve_ivp`.
+first length.  `fe_lapjoint.ExactPropagator` is this exact flow as a method of `solve_ivp`.
 """
 
 from __future__ import annotations
@@ -34,16 +34,16 @@ from lapjoint.solver import Progress
 _GAUSS = np.polynomial.legendre.leggauss(10)
 """Points and weights of Gauss' rule on [-1, 1]."""
 _PIECE = 1000
-"""Most memory of a piece of a motion, beside (q, q') at its start, bytes."""
+"""Upper estimate of the memory of a piece of a motion, beside (q, q') at its start, bytes."""
 _ACCOUNTED = 1024
-"""Pieces between two looks at the memory of all pieces: some MB."""
+"""Number of pieces, of some MB together, between two checks of the memory of all pieces."""
 WINDOWS_PER_PERIOD = 3
-"""Windows, each of `SAMPLES` steps, in the shorter of excitation period and slowest bending."""
+"""Windows, each of `SAMPLES` steps, in the shorter of the excitation period and the period of the slowest bending."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlowFrom:
-    """The coordinates of an exact flow, made anew when they are asked for, in a tenth of the flow's memory."""
+    """The coordinates of an exact flow, which is rebuilt at each call: they take a tenth of the flow's memory."""
 
     system: System
     start: float
@@ -53,7 +53,7 @@ class FlowFrom:
 
     @property
     def flow(self) -> Flow:
-        """The flow, with the bits that it had when it was integrated."""
+        """The flow, bit for bit as it was integrated."""
         return Flow(self.system, self.start, *self.y.reshape(2, -1))
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
@@ -84,7 +84,7 @@ class Piece:
         return it if isinstance(it, Flow) else it.flow if isinstance(it, FlowFrom) else None
 
     def kept(self, model: Model) -> Piece:
-        """This piece for later use: its coordinates are made anew when they are asked for."""
+        """This piece with coordinates that are rebuilt at each call, for later use."""
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
@@ -154,14 +154,14 @@ class _LastingContact:
 
 @dataclass
 class _PreviousWindow:
-    """What a window must know of the window before it."""
+    """Switches and rounding errors of the window before, which the search for switches in a window needs."""
 
     switch: FloatArray
-    """When each stop switched last, or when the march began, s, shape ``(P,)``."""
+    """Time of the last switch of each stop, or of the start of the march, s, shape ``(P,)``."""
     rounding: FloatArray
     """Rounding error of each gap function in the window before, m, shape ``(P,)``."""
     shift: FloatArray
-    """How far above 0 each gap function was when its stop switched, m, shape ``(P,)``; used along ramps."""
+    """Height of each gap function above 0 when its stop switched, m, shape ``(P,)``; used along ramps."""
 
     def rounding_until_now(self, rounding: FloatArray) -> FloatArray:
         """The larger of this and the last window's rounding, m, ``(P,)``: a change of state carries rounding over."""
@@ -186,8 +186,8 @@ def march(
 
     `y` holds (q, q') at the start in the modes of `state`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.  `record` says
     whether contacts are listed, `peaks` whether their peak forces are found, `keep` whether every piece of the motion
-    is kept, or the last alone.  A SolverError comes if the integrator fails, if more than `max_switches` switches
-    occur, if those of a stop crowd (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
+    is kept, or the last alone.  A SolverError is raised if the integrator fails, if there are more than `max_switches`
+    switches, if the switches of one stop crowd (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
     """
     window, longest, size = window_of(model, state), longest_window(model, state, end - start), 0.0
     if keep and model.problem.forces.ramps is None:
@@ -250,9 +250,9 @@ def window_of(model: Model, state: ContactState) -> float:
     """First length of a search window, s: a third of the shortest excitation period or of the slow motion's period.
 
     The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed, if that
-    mode is slower: on springs that are soft beside the beam the joint swings as a rigid body, and bending hardly moves.
-    The search is by bounds, which hold in a window of any length.  A library method gives no bounds, and keeps to
-    bending.
+    mode is slower: on springs that are soft compared with the beam, the joint swings as a rigid body and hardly bends.
+    The search is by bounds, which hold in a window of any length.  A library method gives no bounds; its windows depend
+    on bending alone.
     """
     beam = model.problem.beam
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
@@ -273,8 +273,8 @@ def _advance(
 ) -> tuple[Piece, FloatArray, bool]:
     """A window of up to `SAMPLES` steps, shorter if a stop switches in it, and (q, q') at its end.
 
-    The last value says whether every stop stays well away from its switch, so that a step of twice the length is worth
-    trying.
+    The last value says whether every stop stays well away from its switch, so that the next window may have steps of
+    twice the length.
     """
     system = model.system(state)
     orientation, offset = model.orientation(state), model.offset(state)
@@ -288,7 +288,7 @@ def _advance(
         flow = Flow(system, t, *y.reshape(2, -1))
         time, stop, clear = math.inf, -1, True
         if orientation.size:
-            # The flow goes on beyond the end of the window, so the last step may, too.
+            # The flow is valid beyond the end of the window, so the last step may reach beyond it, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset, step)

@@ -59,7 +59,7 @@ class Model:
         return system
 
     def ramp_tables(self, state: ContactState, window: float) -> RampTables:
-        """One contact state for the march along sampled forces; `window`, s, is the same in every call."""
+        """Tables of one contact state for the march along sampled forces; `window`, s, is the same in every call."""
         tables = self._tables.get(state)
         if tables is None:
             signs = self._signs(state)
@@ -75,7 +75,8 @@ class Model:
         return self._block[1], block.end
 
     def weighted(self, state: ContactState) -> FloatArray:
-        """M Phi of a contact state, kg^1/2, ``(n, n)``: free degrees of freedom times it are modal coordinates."""
+        """M Phi of a contact state, kg^1/2, ``(n, n)``; free degrees of freedom multiplied by it give modal
+        coordinates."""
         return weighted(self.assembly, state)
 
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
@@ -90,7 +91,7 @@ class Model:
         return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
-        """The gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `orientation`."""
+        """The gap of each open stop, and minus the gap of each closed stop, m, shape ``(P,)``; see `orientation`."""
         return self._signs(state)[1]
 
     def _signs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:

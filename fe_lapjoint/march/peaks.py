@@ -10,11 +10,11 @@ from fe_lapjoint.march.events import BoolArray, Gaps, IndexArray
 from lapjoint.problem import FloatArray
 
 _FIRST = 16
-"""Intervals at first."""
+"""Intervals of equal length into which the time is cut at first."""
 _SPLIT = 16
 """Parts into which an interval is cut; a few more cost hardly more."""
 _RELATIVE = 1e-12
-"""Error of the deepest penetration, relative to it; a maximum is flat, so its time is known to 1e-6."""
+"""Relative error of the deepest penetration; a maximum is flat, so its time is known to 1e-6."""
 _CUTS = 20
 """Most cuts of an interval; 12 of them reach the last digit of a time."""
 _AT_ONCE = 32
@@ -27,13 +27,13 @@ class _Intervals:
     """Intervals that may hold a deeper penetration than was found, with the gap function at their ends."""
 
     cuts: IndexArray
-    """How often each was cut, shape ``(i,)``."""
+    """Number of cuts that made each interval, shape ``(i,)``."""
     start: FloatArray
-    """s, shape ``(i,)``."""
+    """Start of each interval, s, shape ``(i,)``."""
     ends: FloatArray
-    """The gap function, m, shape ``(2, i)``."""
+    """The gap function at the start and at the end of each interval, m, shape ``(2, i)``."""
     most: FloatArray
-    """The deepest penetration that each may hold, m, shape ``(i,)``."""
+    """Bound on the penetration in each interval, m, shape ``(i,)``."""
 
     def only(self, which: BoolArray) -> _Intervals:
         """The selected intervals."""

@@ -30,7 +30,7 @@ from lapjoint.problem import FloatArray
 Coordinates = Callable[[FloatArray, int], FloatArray]
 """A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2.
 
-It gives the dt-th derivative of the modal displacements, kg^1/2 m over s^dt, shape ``(n, m)``.
+It gives the dt-th derivative of the modal displacements, kg^1/2 m / s^dt, shape ``(n, m)``.
 """
 _ROUNDING = 32 * np.finfo(float).eps
 """Bound on the relative rounding error of a sum of some hundred terms, and of a change of state."""
@@ -39,8 +39,8 @@ _ROUNDING = 32 * np.finfo(float).eps
 def free_response(a: FloatArray, omega: FloatArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Free damped modes: C(t) after a unit displacement, and S(t), s, after a unit velocity, each ``(n, m)``.
 
-    Given are damping rates zeta omega, 1/s, and undamped angular frequencies, rad/s, ``(n,)``; and times, s, of either
-    sign, ``(m,)``.
+    Arguments are damping rates zeta omega, 1/s, and undamped angular frequencies, rad/s, ``(n,)``; and times, s, of
+    either sign, ``(m,)``.
     """
     square = (a**2 - omega**2)[:, None]
     s = np.sqrt(np.abs(square))
@@ -80,7 +80,7 @@ class Flow:
         )
 
     free: FloatArray
-    """Modal displacement and velocity at the start less the forced motion's, shape ``(2, n)``."""
+    """Modal displacement and velocity at the start, less those of the forced motion, shape ``(2, n)``."""
     _amplitudes: ComplexArray
     """Amplitudes of the oscillating modes, of the loads at the start, and of the constant, 1, shape ``(terms,)``."""
     _moduli: FloatArray
@@ -88,7 +88,7 @@ class Flow:
     terms: ComplexArray
     """Complex amplitudes at the start of the terms of each place's motion, Re(c exp(r s)), shape ``(p, terms)``."""
     _sizes: FloatArray
-    """Sum of the moduli of all that gives the displacement of each place, m, shape ``(p,)``."""
+    """Sum of the moduli of all addends of the displacement of each place, m, shape ``(p,)``."""
 
     @property
     def _phasors(self) -> ComplexArray:
@@ -163,7 +163,7 @@ class Flow:
         return np.asarray(z[it.place_of])
 
     def _others(self, t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Free motion of the modes that do not oscillate, or hardly: overdamped, critical, rigid.
+        """Free motion of the modes that are not `System.oscillating`: overdamped, critical, rigid.
 
         Displacement, velocity and acceleration at the times ``(m,)``, each ``(others, m)``.
         """
@@ -176,7 +176,7 @@ class Flow:
         return displacement, velocity, -2 * a * velocity - square * displacement
 
     def _forced(self, t: FloatArray, dt: int) -> FloatArray:
-        """Answer to the loads alone, chosen so that it is periodic, constant or a polynomial, ``(n, m)``."""
+        """Response to the loads alone, chosen to be periodic, constant or a polynomial, ``(n, m)``."""
         it = self.system
         angle = it.driven[:, None] * t + it.phase[:, None]
         waves = (it.amplitudes @ ((1j * it.driven[:, None]) ** dt * np.exp(1j * angle))).imag
@@ -185,14 +185,14 @@ class Flow:
         return np.asarray(waves if it.drift is None else waves + self._drift(t - self.start, dt))
 
     def _drift(self, s: FloatArray, dt: int) -> FloatArray:
-        """Answer of rigid-body modes to the constant forces, ``(n, m)``."""
+        """Response of rigid-body modes to the constant forces, ``(n, m)``."""
         assert self.system.drift is not None
         ramp, fall = self.system.drift
         one, zero = np.ones_like(s), np.zeros_like(s)
         return np.asarray(np.outer(ramp, (s, one, zero)[dt]) + np.outer(fall, (s**2 / 2, s, one)[dt]))
 
     def above_troughs(self, k: int, side: float, t: FloatArray, width: float) -> FloatArray:
-        """How far swinging terms lie, at the ends of intervals, above their least value within, m, shape ``(2, i)``.
+        """Sum of the swinging terms at both ends of each interval, less its lower bound within, m, shape ``(2, i)``.
 
         The intervals begin at `t`, s, ``(i,)``; `side` is +1 for the displacement of stop `k`, -1 for its opposite.
         """

@@ -1,17 +1,20 @@
-r"""The exact flow of one contact state under forces that are linear in time, from one knot to the next, compiled.
+"""The exact flow of one contact state under forces that are linear in time, from one knot to the next, compiled.
 
-The equations are linear, so the answer p to the ramps alone is added to the flow under all other loads, whose initial
-state is the given one less p.  For a modal force f + g s on a mode with stiffness, s from the start,
+The equations are linear, so the response p to the linear forces alone is added to the flow under all other loads, which
+starts from the given state less p.  For a modal force f + g s, s seconds after the start, on a mode with stiffness,
 
-    p(s) = (f + g s) / omega^2 - 2 a g / omega^4,
+    p(s) = (f + g s) / omega^2 - 2 a g / omega^4.
 
-and a rigid-body mode, q'' + 2 a q' = f + g s, starts from rest: p = f e2 + g e3, with e1, e2, ... the integrals of
-exp(-2 a s), s and s^2 / 2 and so on where a is 0.
+A rigid-body mode, q'' + 2 a q' = f + g s, starts from rest,
+
+    p(s) = f e2 + g e3,
+
+with e1, e2, ... the first, second, ... integral of exp(-2 a s); where a is 0 they are s, s^2 / 2 and so on.
 
 p of modes with stiffness is linear in time, so its bounds on the distance from chord and tangent are 0.
 
-`RampTables` holds one contact state in flat arrays, after which all others are named.  An interval is the motion from a
-time on as long as the forces stay linear.
+`RampTables` holds one contact state in flat arrays; its letters for their sizes are used throughout.  An interval is
+the motion from a given time on while the forces stay linear.
 """
 
 from __future__ import annotations
@@ -92,11 +95,11 @@ class RampTables(NamedTuple):
     place_of: IndexArray
     """Which place each stop is at, shape ``(P,)``."""
     orientation: FloatArray
-    """+1 or -1, shape ``(P,)``; see `Model.orientation`."""
+    """Sign of z in each gap function, +1 or -1, shape ``(P,)``; see `Model.orientation`."""
     offset: FloatArray
-    """m, shape ``(P,)``; see `Model.offset`."""
+    """Gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `Model.offset`."""
     window: float
-    """Longest time that one closed form is searched for, s."""
+    """Longest time for which one closed form is followed, s."""
     spacing: float
     """The usual time between knots, s; 0 without one."""
     whole: ComplexArray
@@ -152,11 +155,11 @@ class Knots(NamedTuple):
     """``K`` knots of ``R`` forces that are linear between them."""
 
     time: FloatArray
-    """s, ascending, shape ``(K,)``."""
+    """Times of the knots, s, ascending, shape ``(K,)``."""
     force: FloatArray
-    """N or N/m, shape ``(K, R)``."""
+    """Forces at the knots, N or N/m, shape ``(K, R)``."""
     slope: FloatArray
-    """How fast each changes from each knot on, N/s or N/(m s), shape ``(K - 1, R)``."""
+    """Rate of each force from each knot to the next, N/s or N/(m s), shape ``(K - 1, R)``."""
 
 
 @by_reference
@@ -174,11 +177,11 @@ class Interval(NamedTuple):
     terms: ComplexArray
     """Complex amplitudes of the modes that oscillate, kg^1/2 m, and of the loads, 1; shape ``(o + H,)``."""
     at_places: ComplexArray
-    """Amplitudes in the motion of the places, m, shape ``(p, o + H)``."""
+    """Complex amplitudes of the terms in the motion of the places, m, shape ``(p, o + H)``."""
     line: FloatArray
-    """Displacement, m, and velocity, m/s, of the places by `begin` and `rate`, shape ``(p, 2)``."""
+    """Displacement, m, and velocity, m/s, of the places that `begin` and `rate` cause, shape ``(p, 2)``."""
     bounds: FloatArray
-    """Bounds on each bounded term and its first three derivatives over its share, shape ``(4, b)``."""
+    """Bounds on each term and its first three derivatives, divided by the `shares` of the term, shape ``(4, b)``."""
     rounding: FloatArray
     """Rounding error of the displacement of each place, m, shape ``(p,)``."""
 
@@ -227,7 +230,7 @@ def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float,
 
 @njit_inner()
 def _response(a: float, omega: float, s: float) -> tuple[float, float]:
-    """C and S of `fe_lapjoint.march.propagator.free_response`, of one mode that does not oscillate, or hardly."""
+    """C and S of `fe_lapjoint.march.propagator.free_response`, of one mode that is not `System.oscillating`."""
     square = a**2 - omega**2
     root, decay = math.sqrt(abs(square)), math.exp(-a * s)
     if root == 0:
@@ -305,7 +308,8 @@ def _write_places(tables: RampTables, y: FloatArray, it: Interval) -> None:
 
 @njit_inner()
 def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
-    """Write the bounds, each times exp(-fading s); see `fe_lapjoint.march.propagator.Flow.envelope`."""
+    """Write the bounds at the start; later each falls as exp(-fading s).  See
+    `fe_lapjoint.march.propagator.Flow.envelope`."""
     b, ringing, near, creeping = 0, tables.ringing.size, tables.near.size, tables.creeping.size
     for k in range(ringing):
         i = tables.ringing[k]
@@ -363,7 +367,8 @@ def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
 
 @njit_inner()
 def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[float, float, float]:
-    """Displacement, velocity and acceleration, ramps of rigid-body modes included, of a mode without oscillation."""
+    """Displacement, velocity and acceleration of a mode that does not oscillate; of a rigid-body mode under ramps,
+    too."""
     a, w = tables.damping_rate[i], tables.omega[i]
     C, S = _response(a, w, s)
     x, y = it.free[0, i], it.free[1, i]
@@ -417,7 +422,7 @@ def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float,
 
 @njit_inner()
 def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, order: int, q: FloatArray) -> None:
-    """Write the time derivative of q of an order (0 to 2) after `s` seconds into `q`, kg^1/2 m over s^order, ``(n,)``.
+    """Write the `order`-th time derivative (0 to 2) of q after `s` seconds into `q`, kg^1/2 m / s^order, ``(n,)``.
 
     `waves`, shape ``(o + H,)``, holds exp(rate s) of each term.
     """
@@ -472,7 +477,7 @@ def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> N
 
 @njit_inner()
 def _wave_area(rate: complex, s: float) -> complex:
-    """The integral of exp(rate t) from 0 to s, without cancellation."""
+    """The integral of exp(rate t) from 0 to `s`, s, without cancellation."""
     a, b = rate.real * s, rate.imag * s
     less = complex(math.expm1(a) * math.cos(b) - 2 * math.sin(b / 2) ** 2, math.exp(a) * math.sin(b))
     return less / rate
@@ -480,7 +485,7 @@ def _wave_area(rate: complex, s: float) -> complex:
 
 @njit_inner()
 def _other_area(tables: RampTables, it: Interval, i: int, s: float) -> float:
-    """The time integral of the displacement of a mode without oscillation, kg^1/2 m s."""
+    """The time integral of the displacement of a mode that does not oscillate over `s` seconds, kg^1/2 m s."""
     a, w, x, y = tables.damping_rate[i], tables.omega[i], it.free[0, i], it.free[1, i]
     for b in range(tables.rigid.size):
         if tables.rigid[b] == i:

@@ -1,8 +1,10 @@
 """A march along ramps from knot to knot, up to the first switch of a stop.
 
-On every interval the gap functions are bounded as in `fe_lapjoint.march.events`: by a chord where both ends are known,
-and by the tangent where it begins.  An interval that neither clears is halved, up to `_HALVINGS` times.  The compiled
-march stops at an interval that may still hold a switch, which `fe_lapjoint.march.events` then searches: see `follow`.
+Sampled forces are linear between their sample times, the knots; a ramp is the force from one knot to the next.  On
+every interval the gap functions are bounded as in `fe_lapjoint.march.events`: by a chord where both ends are known, and
+by the tangent where it begins.  An interval that neither bound clears of switches is halved, up to `_HALVINGS` times.
+The compiled march stops at an interval that may still hold a switch, which `fe_lapjoint.march.events` then searches:
+see `follow`.
 
 Arrays are named as in `fe_lapjoint.march.ramp_interval`.
 """
@@ -42,17 +44,19 @@ from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 LONGEST = 64
-"""Most knots of a piece of the motion; a piece keeps its start alone, and is marched again when it is evaluated."""
+"""Most closed forms, one for each knot or window, in a piece of the motion.  A piece keeps its start alone, and is
+marched again when it is evaluated."""
 _HALVINGS = 6
-"""Halvings of an interval before it is searched: 64 steps of a window, about as many as without ramps."""
+"""Halvings of an interval before it is searched: 64 parts of a window, about as many as the steps of a window without
+ramps."""
 _ROUNDINGS = 1e-15
-"""Relative to the time: two knots may be this much nearer or further than the spacing."""
+"""As a fraction of the time: rounding may change the distance between two knots by this much from the usual spacing."""
 _RELATIVE = 1e-12
-"""Error of the deepest penetration, relative to it; a maximum is flat, so its time is known to 1e-6."""
+"""Relative error of the deepest penetration; a maximum is flat, so its time is known to 1e-6."""
 _DEEP = 48
-"""Most halvings: more than reach the last digit of an interval."""
+"""Most halvings of an interval in the search for the deepest penetration: more than reach its last digit."""
 _NEWTON = 30
-"""Most steps of Newton's method."""
+"""Most steps of Newton's method in the search for a maximum."""
 _EPS = float(np.finfo(float).eps)
 _CLEAR, _UNCLEAR, _RISING = 0, 1, 2
 """No switch; perhaps a switch; one switch, on a gap function that rises all the way."""
@@ -60,22 +64,26 @@ _CLEAR, _UNCLEAR, _RISING = 0, 1, 2
 
 @by_reference
 class Watch(NamedTuple):
-    """The state of the search for switches of ``P`` stops in a march; all but `fresh` is changed in place."""
+    """The state of the search for switches of ``P`` stops in a march; all but `fresh` is changed in place.
+
+    The unclear part is the part of an interval in which bounds do not exclude a switch.
+    """
 
     fresh: BoolArray
     """Whether each stop may have switched where the march begins, shape ``(P,)``."""
     shift: FloatArray
-    """How far above 0 each gap function was on entering the state, m, shape ``(P,)``; 0 once it has been below."""
+    """Height of each gap function above 0 where the state was entered, m, shape ``(P,)``; 0 once it has been below
+    0."""
     before: FloatArray
-    """Rounding error of each gap function in the interval before, m, shape ``(P,)``."""
+    """Rounding error of each gap function in the previous interval, m, shape ``(P,)``."""
     level: FloatArray
     """Level that each gap function must exceed for its stop to switch, m, shape ``(P,)``."""
     held: BoolArray
-    """Whether each stop has switched where the unclear part begins, shape ``(P,)``."""
+    """Whether each stop has just switched where the unclear part begins, shape ``(P,)``."""
     unclear: BoolArray
     """Whether each stop may switch in the unclear part, shape ``(P,)``."""
     ends: FloatArray
-    """Gap function, m, and its rate, m/s, at the beginning of that part, and at its end; shape ``(P, 4)``."""
+    """Gap function, m, and its rate, m/s, at the beginning of the unclear part, then at its end; shape ``(P, 4)``."""
 
 
 @njit_inner()
@@ -86,7 +94,8 @@ def interval_of(knots: Knots, t: float) -> int:
 
 @njit_inner()
 def _next(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
-    """End and length of the time that a closed form is followed, s, and the index of the ramp where the next begins."""
+    """Time, s, up to which a closed form is followed, its length, s, and the index of the ramp where the next one
+    begins."""
     knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
     until = min(knot, end, t + tables.window)
     width = until - t
@@ -106,12 +115,12 @@ def over_knots(
     it: Interval,
     watch: Watch,
 ) -> tuple[float, float, float, int]:
-    """March on until a stop may switch, to `end`, s, or over `most` closed forms.
+    """March until a stop may switch, to `end`, s, or over `most` closed forms.
 
-    `t`, s, is where a closed form begins, and no stop switches in its first `since` seconds.  `y`, ``(2 n,)``, holds
-    (q, q') at `t`, and is replaced by (q, q') where the last closed form begins; `it` takes that closed form. Given
-    back are where it begins, s; from when to when after its beginning a stop may switch, s, both 0 if none can; and how
-    many closed forms lie behind.
+    A closed form is the motion while the forces stay linear.  `t`, s, is where one begins, and no stop switches in its
+    first `since` seconds.  `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q') where the last closed form
+    begins; `it` takes the last closed form.  Returned are the time, s, where it begins; the times after its beginning
+    between which a stop may switch, s, both 0 if none can; and the number of closed forms before it.
     """
     p, stops = tables.places.shape[0], watch.fresh.size
     waves, inner = complex_zeros(tables.rates.shape), complex_zeros(tables.rates.shape)
@@ -170,10 +179,10 @@ def _set_levels(tables: RampTables, it: Interval, first: bool, z: FloatArray, wa
 def _look(
     tables: RampTables, it: Interval, since: float, width: float, waves: ComplexArray, z: FloatArray, watch: Watch
 ) -> tuple[float, float]:
-    """From when to when in an interval a stop may switch, s, both 0 if none can.
+    """Times after the start of an interval, s, between which a stop may switch; both 0 if none can.
 
-    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end; its other rows are
-    room for the motion between, the nearest last.
+    `z`, shape ``(_HALVINGS + 2, p, 3)``, holds the motion of the places at `since`, and at the end.  Its other rows
+    take the motion at the points of halving; the earliest of them is the last row in use.
     """
     ends, halvings = zeros(_HALVINGS + 2), int_zeros(_HALVINGS + 2)
     bounds = zeros((3, z.shape[1]))
@@ -205,7 +214,7 @@ def _judge(
     bounds: FloatArray,
     watch: Watch,
 ) -> int:
-    """Whether a part of an interval, with the motion of the places at its ends, ``(p, 3)``, is clear of switches."""
+    """`_CLEAR`, `_UNCLEAR` or `_RISING` for a part of an interval, by the places' motion at its ends, ``(p, 3)``."""
     width, result, sure = hi - lo, _CLEAR, True
     _bound(tables, it, lo, width, bounds)
     for k in range(watch.fresh.size):
@@ -223,7 +232,7 @@ def _judge(
 
 @njit_inner()
 def _bound(tables: RampTables, it: Interval, since: float, width: float, bounds: FloatArray) -> None:
-    """Write how far each place may rise above a chord, m, leave its tangent, m, and its rate, m/s; ``(3, p)``."""
+    """Write by how much places may exceed a chord, m, leave a tangent, m, and change velocity, m/s: ``(3, p)``."""
     bounds[:] = 0.0
     for b in range(tables.fading.size):
         fade = math.exp(-tables.fading[b] * since) if since else 1.0
@@ -253,8 +262,8 @@ def account(
     """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
     `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q') at the end; `it` is room for a closed form.
-    `areas`, m s, ``(P,)``, takes the time integral of z at each stop; `deepest`, m, ``(P,)``, is raised for the
-    `closed` stops if `depth`.
+    `areas`, m s, ``(P,)``, takes the time integral of z at each stop.  If `depth`, the values of `deepest`, m,
+    ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
     """
     p, stops = tables.places.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
@@ -329,7 +338,7 @@ def _deepest(tables: RampTables, it: Interval, k: int, width: float, limits: Flo
 
 @njit_inner()
 def _top(tables: RampTables, it: Interval, k: int, lo: float, hi: float, rate: float, rate_end: float) -> float:
-    """The maximum, m, of a penetration whose rate falls through 0, by Newton's method kept between the ends."""
+    """The maximum, m, of a penetration whose rate falls through 0, by Newton's method kept between `lo` and `hi`, s."""
     u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
     waves, z = complex_zeros(tables.rates.shape), zeros((tables.places.shape[0], 3))
     s, value = lo + (hi - lo) * rate / (rate - rate_end), -np.inf
@@ -355,7 +364,7 @@ def coordinates_at(
     order: int,
     result: FloatArray,
 ) -> None:
-    """Write the time derivative of q of an order (0 to 2) at ascending `times`, s, ``(m,)``, into `result`, ``(m, n)``.
+    """Write the `order`-th time derivative (0 to 2) of q at ascending `times`, s, ``(m,)``, into `result`, ``(m, n)``.
 
     The march begins at `t`, s, and has no switches.  `y`, ``(2 n,)``, holds (q, q') at `t`, and is replaced by (q, q')
     where the last closed form begins; `it` is room for a closed form.
@@ -402,8 +411,8 @@ class RampMotion:
     ) -> tuple[FloatArray, FloatArray]:
         """Time integral of z at each stop up to `end`, m s, and the deepest penetration so far, m, each ``(P,)``.
 
-        `closed` says which stops count, ``(P,)``; `deepest` holds their deepest penetration before, m, ``(P,)``;
-        `depth` says whether penetrations are looked at.
+        `closed` says which stops are closed, ``(P,)``; `deepest` holds their deepest penetrations before, m, ``(P,)``;
+        `depth` says whether penetrations are searched for.
         """
         areas, deepest = np.zeros(closed.size), deepest.copy()
         account(
@@ -472,12 +481,12 @@ class RampGaps:
 def follow(
     motion: RampMotion, end: float, fresh: BoolArray, shift: FloatArray, rounding: FloatArray
 ) -> tuple[float, FloatArray, int]:
-    """Follow a motion to its first switch, to `end`, s, or over `LONGEST` knots.
+    """Follow a motion to its first switch, to `end`, s, or over `LONGEST` closed forms.
 
-    Given back are the time reached, s, (q, q') there, ``(2 n,)``, and the stop that switches, -1 for none. `fresh`,
-    ``(P,)``, says whether each stop may have switched at the start. `shift`, m, ``(P,)``, says how far above 0 each gap
-    function was when its stop switched, until it has been below 0; it is changed in place. `rounding`, m, ``(P,)``, is
-    the rounding error of each gap function before; the error at the end replaces it.
+    Returned are the time reached, s, (q, q') there, ``(2 n,)``, and the stop that switches, -1 for none.  `fresh`,
+    ``(P,)``, says whether each stop may have switched at the start.  `shift`, m, ``(P,)``, is the height of each gap
+    function above 0 when its stop switched, until it has been below 0; it is changed in place.  `rounding`, m,
+    ``(P,)``, is the rounding error of each gap function before the start; the error at the end replaces it.
     """
     tables, knots, y = motion.tables, motion.knots, motion.y.copy()
     held, unclear = np.zeros((2, fresh.size), dtype=bool)

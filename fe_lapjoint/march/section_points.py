@@ -32,7 +32,8 @@ def coordinates_of(model: Model, point: SectionPoint) -> FloatArray:
 
 
 def understood(problem: Problem, point: SectionPoint) -> FloatArray:
-    """The nodes of a section point on any mesh, m; an InputError if it is none, or if the problem lacks its stops."""
+    """The nodes of a section point on any mesh, m; an InputError if it is not valid, or if the problem lacks its
+    stops."""
     coordinates, nodes = np.asarray(point.coordinates), point.nodes
     if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
         raise InputError("start: is no section point of a finite element solver")

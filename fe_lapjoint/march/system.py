@@ -28,12 +28,14 @@ IndexArray = npt.NDArray[np.intp]
 SAMPLES = 48
 """Steps of the grid, over one window, on which the search for switches evaluates a motion."""
 _APART = 1e-4
-"""Half the relative distance kept between the two rates of a critically damped mode: the motion changes by 1e-8."""
+"""Half the relative distance kept between the two rates of a critically damped mode; its motion changes by 1e-8 of
+itself."""
 _NEAR = 0.25
 """Relative distance of a^2 and omega^2 below which the two exponentials of a mode nearly cancel."""
 DETUNE = 1e-9
-"""Least relative distance kept between an undamped frequency and that of a load: free and forced motion, each static
-deflection / (2 `DETUNE`) large, cancel to 1e-7 of the static deflection, and the phase is off by 1e-9 of itself."""
+"""Least relative distance kept between an undamped frequency and the frequency of a load.  Free and forced motion are
+each as large as the static deflection divided by 2 `DETUNE`; they cancel to 1e-7 of the static deflection, and the
+phase is off by 1e-9 of itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +133,8 @@ class System:
     def shares(self) -> ComplexArray:
         """Factor of each term in the motion of the places, shape ``(p, terms)``.
 
-        The terms are oscillating modes, kg^-1/2; loads, m, of unit amplitude and as a cosine; and the displacement by
-        constant forces, m.
+        The terms are oscillating modes, kg^-1/2; loads of unit amplitude, written as cosines, m; and the displacement
+        by constant forces, m.
         """
         modes = self.places if self.all_oscillate else self.places[:, self.oscillating]
         constant = (self.places @ self.equilibrium)[:, None]
@@ -145,7 +147,8 @@ class System:
 
     @cached_property
     def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
-        """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and that without, ``(2 n,)``."""
+        """The forced motion by real and imaginary part of each load, ``(2 n, 2 H)``, and the motion without loads, ``(2
+        n,)``."""
         turning = self.amplitudes.conj()
         both = np.concatenate([1j * turning, self.driven * turning]).view(float)
         ramp = np.zeros_like(self.equilibrium) if self.drift is None else self.drift[0]
@@ -178,10 +181,11 @@ class System:
 
     @cached_property
     def exponentials(self) -> tuple[ComplexArray, IndexArray]:
-        """Rates of the free motion, 1/s, and the mode that each belongs to, shape ``(terms,)`` each.
+        """Rates of the free motion, 1/s, and the mode to which each rate belongs, shape ``(terms,)`` each.
 
-        One of a complex pair for the modes that oscillate, then the slow and the fast ones of the others.  Critical
-        ones are kept apart a little, and rigid-body modes without drag have none.
+        An oscillating mode has one rate, of its complex pair.  Then follow the slow rates, and then the fast rates, of
+        the other modes.  The two rates of a critically damped mode are kept apart by `_APART`.  A rigid-body mode
+        without drag has no rate.
         """
         others = np.flatnonzero(~self.oscillating & (self.damping_rate > 0))
         a, omega = self.damping_rate[others], self.omega[others]
@@ -210,7 +214,8 @@ class System:
 
     @cached_property
     def bounded(self) -> tuple[IndexArray, IndexArray, IndexArray]:
-        """How each damped or oscillating mode is bounded, see `Flow.envelope`: ringing, near critical, creeping."""
+        """Indices of the damped or oscillating modes by their bound in `Flow.envelope`: ringing, near critical,
+        creeping."""
         a, omega = self.damping_rate, self.omega
         near = (a > 0) & (np.abs(a**2 - omega**2) < _NEAR * a**2)
         ringing, creeping = self.oscillating & ~near, ~self.oscillating & ~near & (a > 0)
@@ -258,7 +263,8 @@ class System:
 
     @cached_property
     def swinging(self) -> FloatArray:
-        """|r| of `rates_of_terms` that `Flow.envelope` bounds by their amplitudes, else 0; 1/s, shape ``(terms,)``."""
+        """Moduli of `rates_of_terms`, or 0 for modes that `Flow.envelope` does not bound by amplitude, 1/s,
+        ``(terms,)``."""
         sure = np.ones(self.rates_of_terms.size, dtype=bool)
         sure[: self.which.size] = np.isin(self.which, self.bounded[0])
         return np.where(sure, np.abs(self.rates_of_terms), 0.0)

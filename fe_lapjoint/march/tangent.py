@@ -28,13 +28,16 @@ from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 DEAD = 40.0
-"""Decay time constants after which a mode has died out: exp(-40) is below the rounding of all else."""
+"""Decay time constants after which a mode has died out: exp(-40) is below the rounding of the other modes."""
 _ALIVE = 0.75
-"""Largest number of nonzero coordinates, as a fraction of the carried columns, for which units replace columns."""
+"""Unit vectors replace the carried columns where the nonzero coordinates number at most this fraction of the
+columns."""
 _FEW = 0.5
-"""Largest number of coordinates left since the start, as a fraction of the columns, for which these are reduced."""
+"""Columns are reduced to independent ones where the coordinates alive since the start number at most this fraction of
+them."""
 _DEPENDENT = 1e-17
-"""Largest addition of a dependent column to those before it, over the largest addition; it rounds by 1e-16."""
+"""A column that adds at most this fraction of the largest addition to the columns before it depends on them; rounding
+makes errors of 1e-16."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +112,7 @@ class _Deviations:
     """The combinations as columns, shape ``(r, m)``; None where each is a column."""
 
     def of_alive(self, alive: IndexArray) -> _Deviations:
-        """The deviations as combinations of units of the coordinates that are not zero."""
+        """The deviations as combinations of the unit vectors of the coordinates that are not zero."""
         units = np.zeros((self.columns.shape[0], alive.size))
         units[alive, np.arange(alive.size)] = 1.0
         own = self.columns[alive]
@@ -118,8 +121,8 @@ class _Deviations:
     def of_independent(self, system: System, slow: float) -> _Deviations:
         """The deviations as combinations of independent columns, by a factorisation with pivots.
 
-        The columns are compared by energy, so that the displacements of all modes count alike; `slow` is the lowest
-        frequency, rad/s, at which a rigid-body motion counts.
+        The columns are compared by energy, so that the displacements of all modes have equal weight; `slow`, rad/s, is
+        the frequency that stands for lower ones, so that a rigid-body motion counts.
         """
         weights = np.concatenate([np.maximum(system.omega, slow), np.ones(system.omega.size)])
         own = self.columns * weights[:, None] / self.sizes

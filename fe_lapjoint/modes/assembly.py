@@ -56,7 +56,7 @@ def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 _HELD = 1e-9
-"""Of a unit motion: supports that resist a rigid-body motion by less do not resist it; see also `mesh.CLOSE`."""
+"""Supports that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
 
 
 @dataclass(frozen=True)
@@ -123,21 +123,22 @@ class Assembly:
         return int(np.argmin(np.abs(self.nodes - x)))
 
     def place(self, x: float) -> float:
-        """A position, m, or the position of the node that only rounding parts from it."""
+        """A position, m, or the position of a node from which it differs by rounding only."""
         near = float(self.nodes[self.node(x)])
         return near if abs(near - x) <= SAME * self.problem.beam.length else x
 
     def reading(self, x: float, derivative: int = 0) -> FloatArray:
-        """The row, ``(n,)``, that reads z (`derivative` 0) or L z_x (1) at a position; 0 and 1 alone at a node.
+        """The row, ``(n,)``, that reads z (`derivative` 0) or L z_x (1) at a position; at a node its entries are 0 and
+        1.
 
-        The row is also the load vector of a unit force there, or of a unit couple over L.
+        The row is also the load vector of a unit force at the position, or of a unit couple divided by L.
         """
         row = self.shapes(np.array([self.place(x)]), derivative)[0]
         return np.asarray(row * self.problem.beam.length**derivative)
 
     @cached_property
     def stop_places(self) -> FloatArray:
-        """Where the stops are, m, shape ``(P,)``; see `place`."""
+        """Positions of the stops, m, shape ``(P,)``; see `place`."""
         return np.array([self.place(stop.x) for stop in self.problem.stops], dtype=float)
 
     @cached_property
@@ -149,7 +150,7 @@ class Assembly:
     def springs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
         """Finite supports and closed stops as rows, ``(s, n)``, that read z or L z_x, and stiffnesses, N/m, ``(s,)``.
 
-        Their energy is half of ``k @ (rows @ u)**2``.  Stiffnesses of torsional springs are over L^2.
+        Their energy is half of ``k @ (rows @ u)**2``.  The stiffness of a torsional spring is divided by L^2.
         """
         L, found = self.problem.beam.length, []
         for support in self.problem.supports:
@@ -168,7 +169,7 @@ class Assembly:
 
     @cached_property
     def rigid_motions(self) -> FloatArray:
-        """The motions as a rigid body that fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``."""
+        """Rigid-body motions that the fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``."""
         full = np.zeros((2 * self.nodes.size, 2))
         full[::2, 0] = 1.0
         full[::2, 1] = self.nodes / self.problem.beam.length - 0.5
@@ -190,8 +191,8 @@ class Assembly:
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
         """Rows ``(k, n)``, 1/m^derivative, that give z or an x-derivative (0 to 3) at positions ``(k,)``, m.
 
-        The second derivative is linear, the third constant in an element; at a node they belong to the element to the
-        left.
+        Within an element the second derivative is linear and the third constant.  At a node both are those of the
+        element to the left.
         """
         e = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         h = np.diff(self.nodes)[e]

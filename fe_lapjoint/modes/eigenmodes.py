@@ -1,4 +1,5 @@
-"""Natural frequencies and modes of the mesh in one contact state, all of them, to the last digits on both ends."""
+"""All natural frequencies and modes of the mesh in one contact state; the lowest and the highest keep their last
+digits."""
 
 from __future__ import annotations
 
@@ -12,30 +13,30 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
 
 _SOFT = 0.1
-"""Largest omega^2 of a soft mode, in units of EI / m L^4: a rigid-body motion that springs hold."""
+"""Largest omega^2 of a soft mode, a rigid-body motion that springs hold, in units of EI / m L^4."""
 _APART, _MIXED = 1e-6, 1e-3
-"""Least relative distance of two omega^2, and largest share of one mode in another, for which first order is enough."""
+"""Least relative distance of two omega^2, and largest part of one mode in another, at which first order is enough."""
 _ROUNDS = 4
-"""Iterations for a soft mode; each multiplies its error by (omega^2 / that of bending)^2, at most 1e-4."""
+"""Iterations for a soft mode; each multiplies its error by (omega^2 / omega^2 of bending)^2, at most 1e-4."""
 
 
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
     """All angular frequencies, rad/s, ascending, ``(n,)``, and mass-normalised modes, kg^-1/2, as columns, ``(n, n)``.
 
     Rigid-body modes have frequency 0.  Both arrays are read-only.  They depend on the beam, its springs and the mesh
-    alone, and are kept: problems with other gaps, damping or excitation share one solution, and so do states that
-    mirror each other, but for the signs of their vectors.
+    alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states whose
+    closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
     """
     return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
 
 
 def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
-    """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; kept like the modes."""
+    """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; cached like the modes."""
     return _weighted(*_mesh(assembly), _springs(assembly, state))
 
 
 def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
-    """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; kept like the modes."""
+    """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; cached like the modes."""
     return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
 
 
@@ -77,11 +78,11 @@ def _eigenmodes(
 ) -> tuple[FloatArray, FloatArray]:
     """The modes of a beam with springs (x, k) besides its supports.
 
-    Two dense solutions are joined, because each is poor where the other is good: the inverted problem
-    M v = mu (K + sigma M) v keeps the digits of the low modes, K v = omega^2 M v those of the high ones.  sigma is
-    zero unless the beam can move as a rigid body, or soft springs alone hold it: then `_soft` gives these modes.  The
-    basis is orthonormalised, soft modes first, so that a change of state loses nothing, and the frequencies are
-    Rayleigh quotients.  Rigid-body modes are counted, not detected.
+    Two dense solutions are joined, because each is accurate where the other is not.  The inverted problem M v = mu (K +
+    sigma M) v keeps the digits of the low modes, K v = omega^2 M v keeps the digits of the high modes.  The shift sigma
+    is zero unless the beam can move as a rigid body, or is held by soft springs alone: then `_soft` gives these modes.
+    The basis is orthonormalised, soft modes first, so that a change of state loses nothing, and the frequencies are
+    Rayleigh quotients.  The number of rigid-body modes follows from the supports, not from the size of frequencies.
     """
     stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
     assembly = Assembly(Problem(beam=beam, supports=supports, stops=stops), np.array(nodes))
@@ -107,9 +108,9 @@ def _eigenmodes(
 def _unmixed(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: FloatArray, r: int) -> FloatArray:
     """Modes without the part of other modes that rounding of the stiffness has mixed in; the `r` soft modes stay.
 
-    Curvatures lose digits as h^-2 where the stiffness loses them as h^-4: with 464 elements of a cantilever, others
-    make up 1e-7 of the first mode before, and 1e-11 after.  With g_i the curvatures and spring forces of mode i, the
-    mixed part of mode j is (g_i . g_j) / (omega_i^2 - omega_j^2), to first order.
+    Curvatures lose digits as h^-2 where the stiffness loses them as h^-4.  With 464 elements of a cantilever, other
+    modes make up 1e-7 of the first mode before this correction, and 1e-11 after it.  With g_i the curvatures and spring
+    forces of mode i, the mixed part of mode j is (g_i . g_j) / (omega_i^2 - omega_j^2), to first order.
     """
     g = np.vstack([assembly.curvature @ vectors, np.sqrt(k)[:, None] * (rows @ vectors)])
     products = g.T @ g
@@ -141,8 +142,9 @@ def _soft(
 ) -> tuple[FloatArray, FloatArray]:
     """omega^2 and vectors of the `r` soft modes: rigid-body motions, and the bending that their springs' forces cause.
 
-    A rigid-body motion has no curvature, and none is computed, so that no rounding of the beam's stiffness is taken for
-    that of a soft spring.  Of the other modes, a soft one holds (felt force) / (omega^2 - omega_other^2).
+    A rigid-body motion has no curvature, and none is computed, so that rounding of the beam's stiffness is not taken
+    for the stiffness of a soft spring.  The amount of another mode in a soft mode is the spring force on the other
+    mode, divided by (omega^2 - omega_other^2).
     """
     rigid, bending, felt = V[:, :r], V[:, r:], rows @ V
     coupling = felt[:, r:].T @ (k[:, None] * felt[:, :r])

@@ -1,11 +1,12 @@
 """The mesh: a node at every support, stop and point load, elements of nearly equal length between.
 
 An element of length d has modes near 92 sqrt(EI / m) / d^2: a very short one would cost the low modes their digits, and
-the march its speed.  Therefore positions that only rounding parts are one, and a spring, stop or load nearer to a node
-than `CLOSE` gets no node of its own: it acts inside an element, by the element's cubics, which do not bend within that
-distance of a force as the beam does.  A force F at a distance d from the node bends the beam by F d^3 / 3 EI less than
-it should, 3e-13 L^3 / EI at most.  A spring at a distance d stiffens the beam by up to k d^4 / EI L, or kt d^2 / EI L
-where it holds a slope.  The position is refused where this could be seen, and for fixed supports.
+the march its speed.  Therefore positions that differ by rounding alone count as one, and a spring, stop or load nearer
+to a node than `CLOSE` gets no node of its own.  It acts inside an element, by the element's cubics, which do not bend
+within a distance this small of a force as the beam does.  A force F at a distance d from the node bends the beam by F
+d^3 / 3 EI less than it should, 3e-13 L^3 / EI at most.  A spring at a distance d stiffens the beam by up to k d^4 / EI
+L, or kt d^2 / EI L where it holds a slope.  A spring whose error could be seen is refused at such a position, and so is
+a fixed support.
 """
 
 from __future__ import annotations
@@ -19,29 +20,30 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem, Support
 
 SAME = 1e-12
-"""Largest distance of positions that are one, in beam lengths: a few thousand rounding errors, more than a sum gathers.
-"""
+"""Positions nearer than this, in beam lengths, are one: a few thousand rounding errors, more than a sum accumulates."""
 CLOSE = 1e-4
 """Shortest element, in beam lengths.
 
-Its modes are 1e4 times as fast as those of the default mesh.  The frequencies of the beam still have nine digits then;
-at 1e-5 they had six.
+Its modes are 6e4 times as fast as those of an element of the default mesh.  The frequencies of the beam still have nine
+digits then; at 1e-5 they had six.
 """
 _LOCKED = 1e-7
-"""Most stiffness that a spring inside an element may add by mistake, over the beam's: less than 40 elements add."""
+"""Largest stiffness that a spring inside an element may add by mistake, as a fraction of the beam's stiffness; a mesh
+of 40 elements adds more."""
 
 SHORT = 1e-3
-"""Length of a stretch, in beam lengths, up to which refinement is not due: its error, of fourth order, does not count.
-"""
+"""A stretch between two required nodes up to this length, in beam lengths, is not refined: its error, of fourth order,
+is negligible."""
 
 
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
     """Node positions of a mesh, m, ascending from 0 to L, about `elements` elements over the whole beam.
 
     Supports, stops and point loads each get a node, unless there is one nearer than `CLOSE`.  Between two of these
-    nodes there is at least one element.  If nodes are given, the required ones are added to them.  An InputError comes
-    if a given node lies outside the beam, if two of them are nearer than `CLOSE`, or if a fixed support or a very stiff
-    spring is nearer than that to another part or to an end, but not at one place with it.
+    nodes there is at least one element.  If nodes are given, the required ones are added to them.  An InputError is
+    raised if a given node lies outside the beam, or if two of them are nearer than `CLOSE`.  It is also raised if a
+    fixed support or a very stiff spring is nearer than `CLOSE` to another part or to an end, without being at the same
+    position.
     """
     L = problem.beam.length
     required = _required(problem)
@@ -54,7 +56,7 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
 
 
 def _required(problem: Problem) -> FloatArray:
-    """Ends, supports, stops and loads, each place once, none nearer to another than `CLOSE`; ascending, m."""
+    """Ends, supports, stops and loads, each position once, none nearer to another than `CLOSE`; ascending, m."""
     L, EI = problem.beam.length, problem.beam.EI
     chosen = {0.0: "the end of the beam", L: "the end of the beam"}
     springs: list[tuple[float, str, float, float]] = []
@@ -101,10 +103,10 @@ def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
 
 
 def refined_nodes(problem: Problem, nodes: FloatArray, ratio: float) -> FloatArray:
-    """Nodes of a finer mesh with the grading of `nodes`, m, ascending; the ends of stretches stay.
+    """Nodes of a finer mesh with the grading of `nodes`, m, ascending.
 
-    Supports, stops and point loads cut the beam into stretches.  Each has at least `ratio` times as many elements as
-    before, unless it is shorter than `SHORT`.
+    Supports, stops and point loads cut the beam into stretches, whose ends stay.  Each stretch has at least `ratio`
+    times as many elements as before, unless it is shorter than `SHORT`.
     """
     parts = (*problem.supports, *problem.stops, *problem.point_loads)
     at = {int(np.abs(nodes - part.x).argmin()) for part in parts}

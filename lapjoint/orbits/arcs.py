@@ -4,12 +4,12 @@ A *contact sequence* names the stop that switches at the end of each arc.  Betwe
 closed form of one contact state for a given duration, so the end of a chain of arcs is a smooth function of the start
 and of the durations.  The durations make a motion of the joint if they solve an equation for each event:
 
-    h(end of the arc) = 0                             if another stop switched at the start of the arc, or none did,
-    (h(end of the arc) - h(start of the arc)) / d = 0 if the same stop did,
+    h(end of the arc) = 0                              if another stop switched at the start of the arc, or none did,
+    (h(end of the arc) - h(start of the arc)) / d = 0  if the stop also switched at the start of the arc,
 
 with the gap function h = sign z - gap of the stop that switches, both values in the contact state of the arc, and the
-duration d.  The divided difference is regular at d = 0, where it is h' = 0: the equation of a graze.  Durations below
-zero mean nothing for a joint, but the equations still hold.
+duration d.  The divided difference is regular at d = 0, where it is h' = 0: the equation of a graze, a touch at zero
+velocity.  Durations below zero mean nothing for a joint, but the equations still hold.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class ContactSequence:
-    """Which stops switch, one after the other, from the section on: ``M`` events between ``M + 1`` arcs."""
+    """The stops that switch, in order of time from the section: ``M`` events between ``M + 1`` arcs."""
 
     first: ContactState
     """The contact state at the section."""
     stops: tuple[int, ...] = ()
-    """The stop that switches at each event."""
+    """The stop that switches at each of the ``M`` events."""
 
     @cached_property
     def states(self) -> tuple[ContactState, ...]:
@@ -56,19 +56,22 @@ class Chain:
     """Displacements and velocities (q, v) at the start of each arc, in the modes of its contact state, ``M + 1`` arrays
     of shape ``(n_i,)``."""
     times: FloatArray = field(repr=False)
-    """When each arc begins, s, shape ``(M + 1,)``."""
+    """Time at which each arc begins, s, shape ``(M + 1,)``."""
     end: FloatArray = field(repr=False)
     """(q, v) at the end of the last arc, in the modes of its contact state, shape ``(n_M,)``."""
     events: FloatArray
-    """Left side of the equation of each event, m, or m/s where the stop returns, shape ``(M,)``."""
+    """Left side of the equation of each event, m, or m/s where the stop also switched at the event before, shape
+    ``(M,)``."""
     end_by: FloatArray | None = field(default=None, repr=False)
     """Derivatives of `end` by (q, v) at the start of the first arc, then by the durations of all ``M + 1`` arcs, at a
     fixed time of the section, shape ``(n_M, n + M + 1)``; None if they were not asked for."""
     events_by: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `events` by these, shape ``(M, n + M + 1)``."""
+    """Derivatives of `events` by the variables of `end_by`, shape ``(M, n + M + 1)``; None if they were not asked
+    for."""
     by_number: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `end` and then of `events` by a parameter, shape ``(n_M + M,)``, with the start held, and the time
-    of the section and the durations held over the excitation period; None if not asked for, or not known."""
+    """Derivatives of `end` and then of `events` by a parameter, shape ``(n_M + M,)``; None if not asked for, or not
+    known.  The start is fixed; the time of the section and the durations are fixed as fractions of the excitation
+    period."""
 
 
 class Arcs(Protocol):
@@ -93,16 +96,18 @@ class Arcs(Protocol):
     ) -> Chain:
         """Follow the arcs of a contact sequence of ``M`` events.
 
-        `start`, (n,), has displacements and velocities (q, v) at the section, in the modes of the first contact state;
-        `time` is that of the section, s from a multiple of the period; `durations`, (M + 1,), are those of the arcs, s,
-        of either sign. With `derivatives` they are carried along, and with a `number`, the path of a parameter as
-        `lapjoint.Axis` takes it, also the derivative by that parameter, if the solver knows it.
+        `start`, (n,), holds displacements and velocities (q, v) at the section, in the modes of the first contact
+        state.  `time` is the time of the section, s from a multiple of the period.  `durations`, (M + 1,), are the
+        durations of the arcs, s, of either sign.  With `derivatives`, `Chain.end_by` and `Chain.events_by` are found
+        too.  With a `number`, the path of a parameter as `lapjoint.Axis` takes it, the derivative by that parameter is
+        found too, if the solver knows it.
         """
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The displacement at the stops along the arcs of a chain, as sums of exponentials: a segment for each arc.
 
-        The places are the distinct positions of the stops in ascending order; segment starts count from the section.
+        The places are the distinct positions of the stops in ascending order; the times of segments count from the
+        section.
         """
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:

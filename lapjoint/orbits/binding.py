@@ -4,9 +4,9 @@ All starts march together.  Now and then each is compared with every known motio
 deviation is certain to die out (`lapjoint.orbits.trapping`), and the march then makes the step of the linearised map
 (`lapjoint.orbits.search.as_linearised`).  Closeness alone binds nothing.
 
-From a start that is bound to no known motion after some time, the march goes on alone as `lapjoint.orbits.search` has
-it. A motion that the search finds is known from then on, with its mirror image, and the other starts march on together.
-The outcome of a march that does not settle is taken from the search: quasi-periodic, aperiodic, undecided.
+A start that is bound to no known motion after some time is marched alone by `lapjoint.orbits.search`.  A motion that
+this search finds is known from then on, with its mirror image, and the other starts continue together.  The outcome of
+a march that does not settle is taken from the search: quasi-periodic, aperiodic, undecided.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
 _STRIDE = 4
-"""Periods between the first two comparisons; later an eighth of the periods marched, which costs little."""
+"""Least number of periods between two comparisons; later it is an eighth of the periods marched, which costs little."""
 _PATIENCE = 64
 """Least number of periods after which a start that is bound to no known motion is searched alone."""
 _DECAY_TIMES = 8.0
-"""Decay times of the slowest free vibration that a start marches before that: exp(-8) = 3e-4 of a transient is left."""
+"""Decay times of the slowest free vibration that a start marches before it is searched alone: exp(-8) = 3e-4 of a
+transient is left."""
 
 
 @dataclass(frozen=True)
@@ -45,13 +46,13 @@ class StartEnd:
     motion: int | None
     """Index of the certified motion to which the start is bound; None if there is none."""
     outcome: Outcome | None
-    """Kind of motion in which the start ends; None where the march could not go on."""
+    """Kind of motion in which the start ends; None where the march failed."""
     periods: int
     """Excitation periods marched until the end was established."""
     pushes: int = 0
-    """How often the march was pushed off an unstable motion that it could not leave by itself."""
+    """Number of times that the march was pushed off an unstable motion that it could not leave by itself."""
     message: str = ""
-    """Why the march could not go on; empty where it could."""
+    """Why the march failed; empty where it did not."""
 
 
 class Binder:
@@ -66,7 +67,7 @@ class Binder:
             self._take(motion)
 
     def again(self) -> Binder:
-        """A copy that knows the motions known now; motions that it finds later stay with it."""
+        """A copy that knows the motions known now; motions that the copy finds later are not added to the original."""
         other = Binder(self._map, self._effort)
         other.motions, other._traps = list(self.motions), list(self._traps)
         return other
@@ -159,21 +160,21 @@ class _StartGroup:
         self.marched = 0
         """Periods that all starts without an end have marched together."""
         self._more: IndexArray = np.zeros(count, dtype=np.intp)
-        """Periods that each start has marched besides."""
+        """Periods that each start has marched alone, in addition to `marched`."""
 
     def periods(self, i: int) -> int:
         """Periods that a start has marched."""
         return self.marched + int(self._more[i])
 
     def march(self, which: IndexArray, periods: int) -> None:
-        """March some starts on, and count the periods for all."""
+        """March some starts, and count the periods for all starts without an end."""
         failed = self.ensemble.march(which, periods)
         self.marched += periods
         for i, message in failed.items():
             self.fail(i, message)
 
     def stepped(self, which: IndexArray, before: FloatArray, periods: int) -> tuple[IndexArray, FloatArray]:
-        """March some starts on alone; those whose march goes on, and their rows of `before`."""
+        """March some starts alone; returned are those whose march did not fail, and their rows of `before`."""
         failed = self.ensemble.march(which, periods)
         self._more[which] += periods
         for i, message in failed.items():
@@ -186,7 +187,7 @@ class _StartGroup:
         self._more[i] += periods
 
     def fail(self, i: int, message: str) -> None:
-        """End a start whose march cannot go on."""
+        """End a start whose march failed."""
         self.end(i, None, None, message=message)
 
     def end(self, i: int, motion: int | None, outcome: Outcome | None, pushes: int = 0, message: str = "") -> None:

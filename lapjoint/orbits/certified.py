@@ -14,7 +14,7 @@ from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.trapping import Trap
 
 SAME_ORBIT = 1e-6
-"""Largest distance of two stable orbits that are one, over their size; each orbit closes within 1e-9."""
+"""Two stable orbits nearer than this, as a fraction of their size, are one; each orbit closes within 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class CertifiedMotion:
     outcome: Outcome
     """Which periodic outcome it is."""
     residual: float
-    """Distance between start and end, over the size of the motion."""
+    """Distance between start and end, as a fraction of the size of the motion."""
     multiplier: complex
     """The Floquet multiplier of largest modulus; of a conjugate pair, the one with the positive imaginary part."""
     impulses: tuple[float, ...]
@@ -59,7 +59,8 @@ def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
 
 
 def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> CertifiedMotion | None:
-    """The mirror image of a motion, z -> -z half a period later; None if it is no other motion of the problem."""
+    """The mirror image of a motion, z -> -z half a period later; None if the image is the motion itself or not a motion
+    of the problem."""
     twins = half_periods.twins
     if twins is None or motion.symmetric:
         return None
@@ -70,7 +71,7 @@ def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> Certi
 
 
 def same_motion(half_periods: HalfPeriods, one: CertifiedMotion, other: CertifiedMotion) -> bool:
-    """Whether two certified motions are one, begun at any of its periods."""
+    """Whether two certified motions are one motion, perhaps begun at different periods of it."""
     if one.period_multiple != other.period_multiple:
         return False
     allowed = max(SAME_ORBIT, 10 * (one.residual + other.residual))

@@ -16,40 +16,41 @@ from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
 
 _BLOCK = 16
-"""Points after which their spacing is chosen anew, as fast terms decay."""
+"""Number of points after which their spacing is chosen anew, because fast terms have decayed."""
 _MISSED = 0.01
-"""Largest error of the cubic between two points, over the sum of the sizes of the rate's terms: it balances the number
-of points against the number of intervals that have to be halved."""
+"""Largest error of the cubic between two points, as a fraction of the sum of the sizes of the rate's terms.  It
+balances the number of points against the number of intervals that have to be halved."""
 _OF_VALUE, _OF_SLOPE = 1 / 384, math.sqrt(3) / 216
-"""Errors of a cubic through a function's values and slopes at two points, and of the cubic's slope, over the function's
-fourth derivative and powers of the distance of the points (Birkhoff and Priver 1967)."""
+"""Errors of a cubic through a function's values and slopes at two points, and of the cubic's slope, divided by the
+function's fourth derivative and by the fourth, or third, power of the distance (Birkhoff and Priver 1967)."""
 _HALVINGS = 9
-"""Most halvings of an interval between points: two extrema that are closer than the last have all but one value."""
+"""Most halvings of an interval between points: two extrema within the shortest part have nearly the same value."""
 _FAINT = 1e-6
-"""Largest term of a rate, over the sum of all, that is not evaluated, and counts as an error instead."""
+"""A term of a rate below this fraction of the sum of all terms is not evaluated, and counts as an error instead."""
 _GONE = -45.0
 """Exponent below which a term is neglected: 3e-20 of its first size is left."""
 _STEPS = 60
 """Most steps of the search for an extremum, of which one or two are needed."""
 _EXACT = 1e-9
-"""Error over the first interval at which an extremum is found: the value there is wrong by the square of this."""
+"""Error in time, as a fraction of the first interval, at which an extremum is found: the error of the value goes with
+its square."""
 _ABOUT = 3
-"""Steps of Newton's method to the zero of a cubic."""
+"""Steps of Newton's method for the zero of a cubic."""
 _NEXT = 5.0
-"""The first neglected term of the series of a step, over the step and the cube of the ratio of successive terms; 5 is
-the value for the inverse of a parabola."""
+"""Factor of the first neglected term in the series of a step: this times the step and the cube of the ratio of
+successive terms. 5 is the value for the inverse of a parabola."""
 _OPEN = -1
-"""Returned where it cannot be said how often a rate vanishes."""
+"""Returned where the bounds do not tell how often a rate vanishes."""
 
 
 @njit_called()
 def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, FloatArray, np.ndarray]:
     """All extrema of gap functions: stop, time, value and whether it is a maximum, each of shape (m,).
 
-    Times count from the start of the orbit, s, and those of one stop ascend; values are in m. Points are so close that
-    cubics with the rate's values and slopes there miss it by a known little. Where that leaves open how often the rate
-    vanishes between two points, the interval between them is halved. A rate that changes its sign from one segment to
-    the next, by what a passage loses of the motion, has an extremum where the second begins.
+    Times count from the start of the orbit, s, and the times of one stop ascend; values are in m.  Points are so close
+    that cubics with the rate's values and slopes at the points have a small, known error.  Where the error leaves open
+    how often the rate vanishes between two points, the interval between them is halved.  A change of contact state
+    truncates the motion a little; a rate whose sign it changes has an extremum where the new segment begins.
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
@@ -59,7 +60,7 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
     has_begun = False
     for s in range(motion.duration.size):
         duration = motion.duration[s]
-        if duration <= 0:  # stops that switch at one time leave nothing between them
+        if duration <= 0:  # between simultaneous switches there is no time
             continue
         tau, step, left, loud = 0.0, 0.0, 0, 0
         while True:
@@ -91,7 +92,7 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
                     put(start, now)
                 if anew:  # terms that are faint at either end of the interval that leads here
                     missed[u, 1], missed[u, 2] = max(missed[u, 1], hereafter[u, 1]), max(missed[u, 2], hereafter[u, 2])
-                # `ends` is a stack: the intervals still to be looked at end at its points, the next one at the last
+                # `ends` is a stack: the intervals still to be examined end at its points, the next one at the last
                 put(ends[0], now)
                 count, least = 1 if tau > 0 else 0, 1.5 * (tau - start[0]) * 0.5**_HALVINGS
                 while count > 0:
@@ -138,11 +139,12 @@ def _loud(
     weights: FloatArray,
     missed: FloatArray,
 ) -> tuple[int, float]:
-    """The terms that are not faint from a time on: how many, and the largest distance of points, s.
+    """The terms that are not faint from a time on: their number, and the largest distance of points, s.
 
-    `waves` and `rates`, ``(K, 2)``, take real and imaginary parts of their rates there and of their exponents, and
-    `weights`, ``(U, K, 4)``, of their weights and of the products of weights and exponents.  `missed`, ``(U, 3)``,
-    takes bounds of the fourth derivative of a place's rate, and of the faint terms' part of the rate and of its slope.
+    `waves` and `rates`, ``(K, 2)``, take real and imaginary parts of the terms of the rate at that time and of their
+    exponents, and `weights`, ``(U, K, 4)``, of their weights and of the products of weights and exponents.  `missed`,
+    ``(U, 3)``, takes bounds of the fourth derivative of a place's rate, and of the faint terms' part of the rate and of
+    its slope.
     """
     places, terms = motion.weights.shape[1], waves.shape[0]
     wave, sizes, total = complex_zeros(terms), zeros((terms, places)), zeros((places, 2))
@@ -187,7 +189,7 @@ def _loud(
 
 @njit_inner()
 def _size(x: complex) -> float:
-    """|x|, faster than `abs`, as nothing here is so large or small that its square is not."""
+    """|x|, faster than `abs`: no number here is so large or small that its square over- or underflows."""
     return math.sqrt(x.real**2 + x.imag**2)
 
 
@@ -195,15 +197,15 @@ def _size(x: complex) -> float:
 def _vanishes(start: FloatArray, end: FloatArray, missed: FloatArray) -> int:
     """How often a rate vanishes between two points: 0, 1, or `_OPEN`.
 
-    `start` and `end`, ``(3,)``, are the time, the rate and its slope at both, and `missed`, ``(3,)``, is that of
-    `_loud`.  The rate lies between the least and the largest Bernstein coefficient of the cubic, but for what that
-    misses; it rises, or falls, throughout where these do.
+    `start` and `end`, ``(3,)``, are the time, the rate and its slope at both points; `missed`, ``(3,)``, is filled by
+    `_loud`.  But for the error of the cubic, the rate lies between the least and the largest Bernstein coefficient of
+    the cubic.  It rises, or falls, throughout where these coefficients do.
     """
     way = end[0] - start[0]
     first, last = start[1], end[1]
     second, third = first + way / 3 * start[2], last - way / 3 * end[2]
     bend = missed[0] * way**3
-    # the rates at points of halved ways have the faint terms, those at others lack them
+    # the rates at points of halving have the faint terms, the rates at the other points lack them
     of_value = _OF_VALUE * bend * way + missed[1] + way * missed[2]
     if min(first, second, third, last) > of_value or max(first, second, third, last) < -of_value:
         return 0
@@ -223,10 +225,11 @@ def _turns(before: float, now: float) -> bool:
 
 @njit_inner()
 def _stationary(motion: Motion, s: int, u: int, start: FloatArray, end: FloatArray) -> tuple[float, float]:
-    """Where the rate at a place vanishes between two points at which its signs differ, s, and z there, m.
+    """Time at which the rate at a place vanishes between two points where its signs differ, s, and z there, m.
 
-    `start` and `end`, ``(3,)``, are the time, the rate and its slope at both.  Newton's method, enclosed, begins where
-    the cubic with these vanishes; with z1 to z4 the derivatives of z, its steps go on where the rate's series does:
+    `start` and `end`, ``(3,)``, are the time, the rate and its slope at both points.  Newton's method, kept between the
+    points, begins at the zero of the cubic with these values.  With z1 to z4 the derivatives of z, its steps follow the
+    series of the rate, where the series converges:
 
         step = x - c x^2 + (2 c^2 - d) x^3,    x = -z1 / z2,    c = z3 / (2 z2),    d = z4 / (6 z2)
     """
@@ -258,7 +261,7 @@ def _stationary(motion: Motion, s: int, u: int, start: FloatArray, end: FloatArr
 
 @njit_inner()
 def _vanishing(before: float, now: float, before_slope: float, now_slope: float) -> float:
-    """Where in (0, 1) the cubic with these values and slopes at 0 and 1 vanishes, about; the values' signs differ."""
+    """Estimate of the zero in (0, 1) of the cubic with these values and slopes at 0 and 1; the values' signs differ."""
     x = before / (before - now)
     low, high = 0.0, 1.0
     bend, twist = 3 * (now - before) - 2 * before_slope - now_slope, 2 * (before - now) + before_slope + now_slope
@@ -277,7 +280,7 @@ def _vanishing(before: float, now: float, before_slope: float, now_slope: float)
 
 @njit_inner()
 def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, float, float, float, float]:
-    """z at a place, `tau` after the start of a segment, m, and its first four derivatives, m over powers of s."""
+    """z at a place, `tau` after the start of a segment, m, and its first four derivatives, m/s to m/s4."""
     one, two, three = motion.polynomial[s, u, 0], motion.polynomial[s, u, 1], motion.polynomial[s, u, 2]
     z, rate, bend, third, fourth = one + tau * (two + tau * three), two + 2 * tau * three, 2 * three, 0.0, 0.0
     for k in range(motion.rates.shape[1]):

@@ -22,15 +22,16 @@ IndexArray = npt.NDArray[np.intp]
 _LEAST = 4
 """Least number of intervals into which a segment is first cut."""
 _HALVINGS = 5
-"""How often the first and the last interval of a segment are halved, towards the switches at its ends."""
+"""Number of times that the first and the last interval of a segment are halved, towards the switches at its ends."""
 _PARTS = 8
 """Most parts into which one pass divides an interval in which the distance to a stop is not known well enough."""
 _ROUNDS = 6
 """Most passes that divide intervals: 8^6 makes 260 000 parts."""
 _NEGLIGIBLE = 1e-9
-"""Distance to a stop, over its largest, below which no interval is divided."""
+"""An interval is not divided where the distance to a stop is below this fraction of its largest distance."""
 _TIGHT = 0.5
-"""Least distance within an interval, over that at its ends, that must be certain; else the interval is divided."""
+"""An interval is divided unless the least distance within it is certain to be at least this fraction of the distance at
+its ends."""
 
 
 @by_reference
@@ -38,7 +39,7 @@ class Motion(NamedTuple):
     """An orbit of ``S`` segments as sums of ``K`` terms at the ``U`` places of ``P`` stops."""
 
     start: FloatArray
-    """Start of each segment, s from that of the orbit, shape ``(S,)``."""
+    """Start of each segment, s from the start of the orbit, shape ``(S,)``."""
     duration: FloatArray
     """Length of each segment, s, shape ``(S,)``."""
     rates: ComplexArray
@@ -48,7 +49,7 @@ class Motion(NamedTuple):
     weights: ComplexArray
     """Weights of the terms at the places of stops, shape ``(S, U, K)``; weight times amplitude in m."""
     polynomial: FloatArray
-    """Coefficients of 1, tau, tau^2 at the places, m over powers of s, shape ``(S, U, 3)``."""
+    """Coefficients of 1, tau, tau^2 at the places, m, m/s and m/s2, shape ``(S, U, 3)``."""
     orientation: FloatArray
     """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
 
@@ -60,11 +61,12 @@ class Stops(NamedTuple):
     sign: FloatArray
     """+1 for a stop at the top, -1 for one at the bottom, shape ``(P,)``."""
     gap: FloatArray
-    """m, shape ``(P,)``."""
+    """Gap of each stop, m, shape ``(P,)``."""
     place: IndexArray
     """Which of the places each stop is at, shape ``(P,)``."""
     beyond: IndexArray
-    """The stop whose switches follow those of each stop after the orbit: itself, or its twin, shape ``(P,)``."""
+    """The stop of this orbit whose switches each stop makes in the next period, shape ``(P,)``: itself, or its twin
+    where the orbit continues mirrored."""
 
 
 @njit_called()
@@ -105,9 +107,10 @@ def unrolled(
 ) -> tuple[FloatArray, IndexArray]:
     """Times and indices of one stop's switches in the period before, in this one, and in the one after, (k,) each.
 
-    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each. `stop` is
-    the one that is asked for, and `beyond` the one whose switches the other periods hold: its twin where the orbit goes
-    on mirrored. `length` is that of the orbit, s. The indices say which of the J switches each is, or repeats.
+    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each.  `stop` is
+    the stop asked for, and `beyond` the stop whose switches it makes in the other two periods: its twin where the orbit
+    continues mirrored.  `length` is the length of the orbit, s.  The indices say which of the J switches each one is,
+    or repeats.
     """
     own, others = 0, 0
     for j in range(stops.size):
@@ -129,9 +132,9 @@ def unrolled(
 
 @njit_called()
 def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: float) -> FloatArray:
-    """Time from each switch to the nearest other one of its stop, before or after, s, (J,); inf without another.
+    """Time from each switch to the nearest other switch of its stop, s, (J,); inf without another.
 
-    `times` and `stops`, (J,), and `length` are those of `unrolled`; `beyond`, (P,), is that of `Stops`.
+    `times` and `stops`, (J,), and `length` are as in `unrolled`; `beyond`, (P,), is `Stops.beyond`.
     """
     result = zeros(times.size)
     for stop in range(beyond.size):
@@ -182,9 +185,9 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of stops at the nearer end of each interval, m, 0 at least, and how much less it may be within, (P, I).
+    """Distance of stops at the nearer end of each interval, m, at least 0, and its possible decrease within, m, (P, I).
 
-    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. A stop that truncation
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  A stop that truncation
     leaves beyond its gap at a switch switches again when it comes back to where it was left.
     """
     count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
@@ -226,8 +229,9 @@ def refined(
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
     """Intervals divided where the orbit's distance from a stop is not known well enough.
 
-    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s. Returned are these of all
-    points, (I + 1,) with I + 1 >= N, and the least distance of each stop from its gap between two points, m, (P, I).
+    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s.  Returned are segment and
+    time of all points after the division, (I + 1,) with I + 1 >= N, and the least distance of each stop from its gap
+    between two points, m, (P, I).
     """
     nearer, miss = distances(motion, stops, segment, tau)
     least = zeros(stops.sign.size)
@@ -251,9 +255,9 @@ def refined(
 
 @njit_inner()
 def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: FloatArray) -> IndexArray:
-    """Into how many parts each interval is to be divided, shape ``(I,)``.
+    """Number of parts into which each interval is to be divided, shape ``(I,)``.
 
-    A chord of a part of the width misses by the square of that part.  Distances up to `least`, ``(P,)``, do not count.
+    The error of a chord falls with the square of the width.  Distances up to `least`, ``(P,)``, do not count.
     """
     parts = int_zeros(segment.size - 1)
     for i in range(parts.size):
@@ -268,7 +272,8 @@ def _parts(segment: IndexArray, nearer: FloatArray, miss: FloatArray, least: Flo
 
 @njit_inner()
 def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int) -> tuple[IndexArray, FloatArray]:
-    """Points of intervals that are divided into equal parts, `more` points in all."""
+    """Segments and times of the points after the intervals are divided into equal parts; `more` points are added in
+    all."""
     where, when = int_zeros(segment.size + more), zeros(segment.size + more)
     j = 0
     for i in range(segment.size):
@@ -285,10 +290,12 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
 def among_switches(
     start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
-    """Index of a stop's last switch before each interval, or -1, and the time since, s, or inf; of its next; (P, I).
+    """Index of a stop's last switch before each interval (-1 without), time since it, s (inf without); then of the
+    next; (P, I).
 
-    `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit; `times` and `which`, (J,), are
-    those of all switches and their stops; `beyond`, (P,), is that of `Stops`; `length` is that of the orbit, s.
+    `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit.  `times` and `which`, (J,), are the
+    times of all switches, s, and their stops; `beyond`, (P,), is `Stops.beyond`; `length` is the length of the orbit,
+    s.
     """
     shape = (beyond.size, start.size)
     before, after = int_zeros(shape), int_zeros(shape)

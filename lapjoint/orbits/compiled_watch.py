@@ -17,12 +17,12 @@ from lapjoint.problem import FloatArray
 def terms_at_points(
     segment: IndexArray, tau: FloatArray, rates: ComplexArray, weights: ComplexArray, count: int
 ) -> tuple[FloatArray, FloatArray]:
-    """The terms of deviations at the points between intervals, and what a chord of each misses.
+    """The terms of deviations at the points between intervals, and the error of a chord of each term.
 
-    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s. `rates`, (S, K'), are
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  `rates`, (S, K'), are
     the exponents of the terms, 1/s, and `weights`, (S, U, K'), their weights at the places of stops; deviations have
-    the first ``K = count <= K'``. Returned are real and imaginary part of each term of unit amplitude, (2, U, I + 1,
-    K), and what a chord of it misses between two points, over the size of its amplitude, (U, I, K).
+    the first ``K = count <= K'``.  Returned are real and imaginary part of each term of unit amplitude, (2, U, I + 1,
+    K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
     """
     places = weights.shape[1]
     terms, misses = zeros((2, places, tau.size, count)), zeros((places, tau.size - 1, count))
@@ -112,10 +112,10 @@ def sound_columns(
     """Whether each of ``C`` deviations meets all conditions of `lapjoint.orbits.approach`, shape (C,).
 
     `largest`, (m, C), bounds the motion by the deviations, m; `at_switches` and `rates`, (J, C), are their motion at
-    the stop that switches, m, and its rate, m/s. `distance`, `before`, `since`, `after` and `until`, (m,), are those of
-    `Intervals`, and `rate`, `curvature` and `spacing`, (J,), those of `Switches`. `limits` are the share of the
-    distance that a deviation may take; the number of shifts from a switch within which the distance does not matter;
-    and the share of the rate that a deviation may change.
+    the stop that switches, m, and its rate, m/s.  `distance`, `before`, `since`, `after` and `until`, (m,), are the
+    fields of `Intervals`; `rate`, `curvature` and `spacing`, (J,), those of `Switches`.  `limits` are the fraction of
+    the distance that a deviation may reach; the number of shifts from a switch within which the distance does not
+    matter; and the fraction of the rate by which a deviation may change it.
     """
     share, shifts, change = limits
     shift, sound = zeros(at_switches.shape), bool_zeros(largest.shape[1])

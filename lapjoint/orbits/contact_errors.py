@@ -20,7 +20,8 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 PARTED = 0.1
-"""Time between partners, over the time to the stop's nearest other contact, above which two motions have parted."""
+"""Two motions have parted where the time between partners exceeds this fraction of the time to the stop's nearest other
+contact."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +29,11 @@ class Differences:
     """How far contacts are from their partners; infinite where they have none."""
 
     start: FloatArray
-    """s, shape ``(contacts,)``."""
+    """Difference of the start times, s, shape ``(contacts,)``."""
     impulse: FloatArray
-    """N s, shape ``(contacts,)``."""
+    """Difference of the impulses, N s, shape ``(contacts,)``."""
     peak_force: FloatArray
-    """N, shape ``(contacts,)``."""
+    """Difference of the peak forces, N, shape ``(contacts,)``."""
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
@@ -76,7 +77,8 @@ def with_errors(
 
 
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion with infinite errors of its contacts: errors were asked for, but a reason forbids to state them."""
+    """A motion with infinite errors of its contacts: errors were asked for, and cannot be stated for the `reason`
+    given."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -102,9 +104,9 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
 
 
 def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tuple[IndexArray, FloatArray]:
-    """Which of other times is the nearest to each time, and how far away it is, s, shape ``(n,)`` each.
+    """Index of the nearest other time to each time, and its distance, s, shape ``(n,)`` each.
 
-    Both are ascending; with a period, in s, they are compared modulo it.
+    Both arrays of times ascend; with a period, s, they are compared modulo the period.
     """
     index = np.arange(others.size)
     if period is not None:
@@ -125,7 +127,8 @@ def parting(contacts: Sequence[Contact], found: Differences) -> int:
 
 
 def _spacings(contacts: Sequence[Contact]) -> FloatArray:
-    """Time from the start of each contact to that of the stop's nearest other one, s, shape ``(contacts,)``."""
+    """Time from the start of each contact to the start of the stop's nearest other contact, s, shape
+    ``(contacts,)``."""
     result = np.full(len(contacts), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])

@@ -8,7 +8,8 @@ displacement of the section point changes by
 
 and its velocity likewise: at its place each coordinate changes by the number given.  Random starts are drawn evenly
 from all deviations from a section point whose energy does not exceed a bound: the energy of bending, springs and motion
-of the joint without contact.  The share of starts that ends in a motion is then its share of that part of phase space.
+of the joint without contact.  The fraction of starts that end in a motion then estimates the fraction of this part of
+phase space from which the motion is reached.
 """
 
 from __future__ import annotations
@@ -25,11 +26,13 @@ from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
 _HELD = 1e-9
-"""Least restraint of a rigid-body motion by supports that hold it, over a unit motion."""
+"""Supports hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
 _IMMOVABLE = 1e-12
-"""Compliance at a place, over L^3 / EI, below which a support holds the place: rounding of the shapes is less."""
+"""Compliance at a place, in units of L^3 / EI, below which a support holds the place; rounding of the shapes is
+smaller."""
 _ALIKE = 1e-6
-"""Determinant of the compliance at two places, over that of places far apart, below which the places move alike."""
+"""Two places move alike if the determinant of their compliance is below this fraction of the product of its diagonal,
+the determinant for independent places."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +42,9 @@ class StaticShapes:
     displacements: FloatArray
     """Deviations that move a section point by each shape for a force of 1 N, shape ``(p, n)``."""
     velocities: FloatArray
-    """Deviations that add each shape to its velocity, in m/s where the shape is in m, shape ``(p, n)``."""
+    """Deviations that add each shape to the velocity of a section point, m/s for a shape in m, shape ``(p, n)``."""
     compliance: FloatArray
-    """Displacement at each place by each shape, m/N, shape ``(p, p)``."""
+    """Displacement at each place under a unit force at each place, m/N, shape ``(p, p)``."""
 
 
 @runtime_checkable
@@ -64,7 +67,8 @@ class DisplacedStarts(Protocol):
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
     """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by 0 in the other, (2, n).
 
-    An `InputError` says that the joint without contact is not held, a support holds a place, or both places move alike.
+    An `InputError` is raised if the joint without contact is not held, a support holds a place, or both places move
+    alike.
     """
     plane.check(problem)
     check_held(problem, "plane")
@@ -85,7 +89,8 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
 
 
 def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) -> FloatArray:
-    """A deviation, (n,), drawn evenly from all of at most an `energy`, J; `roots`, (n, n), are `energy_roots`."""
+    """A deviation, (n,), drawn evenly from all of energy up to `energy`, J; `roots`, (n, n), are those of
+    `energy_roots`."""
     rng = np.random.default_rng(seed)
     n = roots.shape[1]
     direction = rng.standard_normal(n)
@@ -96,7 +101,7 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
     """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint must be held.
 
-    It takes the unit ball to the deviations from `origin` of an energy of at most 1/2 J.
+    B maps the unit ball to the deviations from `origin` whose energy is at most 1/2 J.
     """
     check_held(problem, "energy")
     lower = np.linalg.cholesky(period_map.energy(origin))

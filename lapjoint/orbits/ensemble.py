@@ -1,7 +1,8 @@
 """Many marches of one problem at once: a solver that compiles its march does many of them in one call.
 
-An `Ensemble` holds many section points and marches any of them on in place.  `MakesEnsembles` is the optional protocol
-of a period map that has its own; for any other period map `ensemble_of` makes one that marches one by one.
+An `Ensemble` holds many section points, and advances any of them in place.  `MakesEnsembles` is the optional protocol
+of a period map that makes its own ensembles.  For any other period map `ensemble_of` makes one that marches its points
+one by one.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ class Ensemble(Protocol):
     """Section points of one period map, its members, each of which marches by itself."""
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
-        """March some members, (k,), by whole periods, to the bits of `PeriodMap.march`; returns why members failed."""
+        """March some members, (k,), whole periods, bit for bit as `PeriodMap.march`; returns messages of members that
+        failed."""
 
     def deviations(self, which: IndexArray, origin: SectionPoint) -> FloatArray:
         """The deviations of some members, (k,), from a section point `origin`, in its coordinates, (k, n)."""
@@ -36,7 +38,7 @@ class MakesEnsembles(Protocol):
     """A period map that marches many section points at once."""
 
     def ensemble(self, points: Sequence[SectionPoint]) -> Ensemble:
-        """Section points of this map that march on together; members are numbered as the points are."""
+        """The ensemble of some section points of this map; its members are numbered as the points are."""
 
 
 class OneByOne:
@@ -46,7 +48,7 @@ class OneByOne:
         self._map, self._points = period_map, list(points)
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
-        """March some of them on. See `Ensemble.march`."""
+        """March some members.  See `Ensemble.march`."""
         failed: dict[int, str] = {}
         for i in which.tolist():
             try:
@@ -56,13 +58,13 @@ class OneByOne:
         return failed
 
     def deviations(self, which: IndexArray, origin: SectionPoint) -> FloatArray:
-        """Their deviations from a section point. See `Ensemble.deviations`."""
+        """Deviations of some members from a section point.  See `Ensemble.deviations`."""
         n = self._map.difference(origin, origin).size
         found = [self._map.difference(self._points[i], origin) for i in which.tolist()]
         return np.array(found).reshape(len(found), n)
 
     def point(self, member: int) -> SectionPoint:
-        """Where a member is. See `Ensemble.point`."""
+        """The section point of a member.  See `Ensemble.point`."""
         return self._points[member]
 
 

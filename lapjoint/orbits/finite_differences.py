@@ -1,4 +1,5 @@
-"""The derivative of a period map whose solver does not give it, from marches that begin a little beside each other."""
+"""The derivative of a period map whose solver does not give it, from marches that begin a small step from each
+other."""
 
 from __future__ import annotations
 
@@ -14,10 +15,11 @@ from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
 _STEP = 1e-6
-"""Step of the differences, over the motion: rounding, 1e-16 / 1e-6, and curvature, 1e-12, leave ten digits."""
+"""Step of the differences, as a fraction of the size of the motion: the errors by rounding, 1e-16 / 1e-6, and by
+curvature, 1e-12, leave ten digits."""
 _SMALL = 1e-7
-"""Distance between two marches that are followed together, over the size of the motion: small enough to be linear, and
-large enough for rounding, 1e-16, to leave nine digits."""
+"""Distance between two marches that are followed together, as a fraction of the size of the motion: small enough to be
+linear, and large enough for rounding, 1e-16, to leave nine digits."""
 _PER_HALF_PERIOD = 64
 """Least number of samples in half a period: parabolas between the samples then follow the low modes."""
 
@@ -29,7 +31,7 @@ class FiniteDifferences:
     map: PeriodMap
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March from a section point, and from two neighbours in each direction. See `lapjoint.orbits.Tangent`."""
+        """March from a section point, and from two neighbours for each coordinate.  See `lapjoint.orbits.Tangent`."""
         end = self.map.march(start, half_periods).end
         periods, until = math.ceil(half_periods / 2), half_periods * self.map.period / 2
         history = self.map.history(start, periods)
@@ -50,7 +52,7 @@ class FiniteDifferences:
         return Linearised(end, lambda: Derivative(matrix), lambda: _segments(history, times, switched, moves))
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March together with a neighbour, rescaled to one distance in each period. See `lapjoint.orbits.Follows`."""
+        """March together with a neighbour whose distance is reset each period.  See `lapjoint.orbits.Follows`."""
         now, points, growth = start, [], np.zeros(periods)
         impulses, switches = np.zeros((periods, len(self.map.problem.stops))), 0
         for i in range(periods):
@@ -93,7 +95,8 @@ def _at_stops(history: History, times: FloatArray) -> FloatArray:
 
 
 def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
-    """Segments between samples: the motion is taken for a parabola there, and deviations change linearly with time.
+    """Segments between samples: the motion is taken to be a parabola there, and deviations to change linearly with
+    time.
 
     `times`, s, and `switched`, the stop that switches or -1, have the shape ``(m,)``; `moves` holds the displacement at
     each stop and time by each deviation, m, shape ``(P, m, n)``.

@@ -16,13 +16,14 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _TINY = float(np.finfo(float).tiny)
-"""Least size of a section point, in the unit of `PeriodMap.norm`, by which other sizes are divided."""
+"""Least size of a section point by which other sizes are divided, in the unit of `PeriodMap.norm`."""
 
 
 def gives(map_: PeriodMap, more: type) -> bool:
     """Whether a period map has the methods of another protocol, too.
 
-    Python remembers what it finds of a class; only if the class does not have the methods, the map itself is looked at.
+    The class is examined first, because Python caches the answer for a class; the map itself only if its class lacks
+    them.
     """
     return issubclass(type(map_), more) or isinstance(map_, more)
 
@@ -32,11 +33,11 @@ class HalfPeriodMarch:
     """A march over some half periods with its derivative, mirrored if their number is odd."""
 
     end: SectionPoint
-    """Where it ends."""
+    """The end of the march, mirrored if `count` is odd."""
     half_periods: HalfPeriods
-    """The map that was marched."""
+    """The map by which the march was made."""
     linearised: Linearised
-    """The march before it is mirrored."""
+    """The march and its derivative before mirroring."""
     count: int
     """Number of half periods."""
 
@@ -53,7 +54,7 @@ class HalfPeriodMarch:
 
     @cached_property
     def watch(self) -> Watch:
-        """Distances from all stops on the way."""
+        """Distances from all stops during the march."""
         twins = self.half_periods.twins if self.count % 2 else None
         return SegmentWatch(self.half_periods.map.problem, self.linearised.segments, twins)
 
@@ -115,7 +116,7 @@ class HalfPeriods:
         return HalfPeriodMarch(self.map.mirrored(found.end) if count % 2 else found.end, self, found, count)
 
     def relative(self, deviation: FloatArray, point: SectionPoint) -> float:
-        """Size of a deviation, (n,), over that of the section point to which its coordinates belong."""
+        """Size of a deviation, (n,), as a fraction of the size of the section point to which its coordinates belong."""
         return self.map.norm(deviation) / self.size(point)
 
     def size(self, point: SectionPoint) -> float:
@@ -123,5 +124,5 @@ class HalfPeriods:
         return max(self.map.size(point), _TINY)
 
     def apart(self, point: SectionPoint, origin: SectionPoint) -> float:
-        """Distance of two section points over the size of the second."""
+        """Distance of two section points, as a fraction of the size of the second."""
         return self.relative(self.map.difference(point, origin), origin)

@@ -1,8 +1,8 @@
 """The least period of an orbit: an orbit found over some half periods may repeat after a part of them.
 
-Truncated modes can make the map jump by some c.  At a jump Newton's method misses a stable motion with multiplier mu,
-and a march visits several points, less than c / (1 - |mu|) apart, one after the other.  No motion of a joint does this,
-and `_parted` tells it from a true motion of several periods.
+Truncated modes can make the map discontinuous, with a jump of size c.  At a jump Newton's method misses a stable motion
+with multiplier mu, and a march visits several points, less than c / (1 - |mu|) apart, one after the other.  No motion
+of a joint does this.  `_parted` tells such a march from a true motion of several periods.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import Orbit, find_orbit
 
 PARTED = 1e-3
-"""Longest step between such points, over the size of the motion: along longer steps it cannot be told whether the map
-bends or jumps."""
+"""Longest step between two of the points that a jump makes of one, as a fraction of the size of the motion.  Along
+longer steps it cannot be told whether the map bends or jumps."""
 _JUMP = 0.05
-"""Share by which the linearised map may miss a step, however short it is, if the map is smooth."""
+"""Fraction of a step, however short, by which the linearised map may miss it if the map is smooth."""
 _BENDS = 500.0
-"""Further share of a step that may be missed, over the step's length over the size of the motion, as a map bends."""
+"""A smooth map bends, and may miss this times the length of the step before (as a fraction of the size of the motion)
+of each step.  The larger of this fraction of the step and `_JUMP` counts."""
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
@@ -39,8 +40,8 @@ def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None
     """The orbit over `count` half periods, if the motion would repeat after these but for a jump of the map; else None.
 
     It would if the steps are short, all multipliers lie within the unit circle, and yet some step is not the step
-    before it carried by the linearised map.  The cause must show, too: in all parts the same stops switch equally
-    often, but in different orders.
+    before it carried by the linearised map.  The cause must show, too: in all parts of the motion the same stops switch
+    equally often, but in different orders.
     """
     map_, point = half_periods.map, orbit.point
     now = half_periods.linearised(point, count)

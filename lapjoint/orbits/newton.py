@@ -15,21 +15,25 @@ from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
 
 RESIDUAL = 1e-9
-"""Largest distance between start and end of an orbit, over the size of the motion; one more step of Newton's method
-then leaves the square of it."""
+"""Largest distance between start and end of an orbit, as a fraction of the size of the motion; one more step of
+Newton's method then leaves the square of this."""
 FAR = 2.0
-"""Largest residual over one period, over the size of the motion, from which Newton's method is tried; 2 is the residual
-of a march that ends opposite to its start."""
+"""Largest residual over one period, as a fraction of the size of the motion, from which Newton's method is tried; 2 is
+the residual of a march that ends opposite to its start."""
 _STEPS = 14
-"""Most steps of Newton's method: near an orbit two or three are enough, and far from it some are lost."""
+"""Limit of steps of Newton's method: two or three are enough near an orbit, and some steps far from it bring no
+progress."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Largest imaginary part, over the modulus, of a real multiplier: a double one may have it by rounding."""
+"""Largest imaginary part of a real multiplier, as a fraction of its modulus: rounding gives a double multiplier such a
+part."""
 GROWS = 1e-6
-"""Distance outside the unit circle above which a multiplier is not one on the circle, rounded."""
+"""A multiplier is outside the unit circle, and not one on the circle with rounding, if its modulus exceeds 1 by
+this."""
 _MARGINAL = 1e-9
-"""Distance within the unit circle up to which a multiplier cannot be told from one on the circle."""
+"""A multiplier within the unit circle cannot be told from one on the circle if its modulus is less than 1 by up to
+this."""
 BEYOND_ROUNDING = 1 / float(np.finfo(float).eps)
 """Growth of a deviation over a march beyond which rounding at the start alone decides the end."""
 
@@ -43,9 +47,9 @@ class Orbit:
     point: SectionPoint
     """Where the motion begins."""
     residual: float
-    """Distance between start and end, over the size of the motion."""
+    """Distance between start and end, as a fraction of the size of the motion."""
     last: HalfPeriodMarch
-    """The march from `point`, or from so near that its derivative is the orbit's."""
+    """The march from `point`, or from a point so near that its derivative is the orbit's."""
 
     @property
     def symmetric(self) -> bool:
@@ -101,7 +105,7 @@ class Orbit:
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """What becomes of a deviation, (n,), from the orbit; at most `most` periods are looked at one by one."""
+        """The forecast for a deviation, (n,), from the orbit; at most `most` periods are examined one by one."""
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
@@ -109,8 +113,8 @@ class Orbit:
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
     """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none.
 
-    Newton's method is not tried from a residual above `farthest`, over the size of the motion, nor for a map that makes
-    deviations grow beyond rounding, of which no fixed point can be known.
+    Newton's method is not tried from a residual above `farthest`, as a fraction of the size of the motion.  It is not
+    tried, either, where the map makes deviations grow beyond rounding, for then no fixed point can be known.
     """
     point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
     for _ in range(_STEPS):

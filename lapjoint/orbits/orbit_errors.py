@@ -27,12 +27,12 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 FARTHEST = 0.5
-"""Largest residual of the adopted section point, over the size of the motion, from which Newton's method is tried:
-twenty modes against a stop of ten thousand times the beam's own stiffness leave a tenth."""
+"""Largest residual of the adopted section point, as a fraction of the size of the motion, from which Newton's method is
+tried; twenty modes against a stop of ten thousand times the beam's own stiffness leave a tenth."""
 SETTLING = (0, 1, 4)
-"""Periods of the orbit that the finer map has marched when Newton's method is tried."""
+"""Periods of the orbit that the finer map has marched at each attempt of Newton's method."""
 _SAMPLES = 64
-"""Times in half an excitation period at which displacements are compared; without contact they are nearly harmonic."""
+"""Times in half an excitation period at which displacements are compared: without contact they are nearly harmonic."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class FinerMap:
     """A finer resolution of a solver, for one problem."""
 
     refinement: Refinement
-    """How much finer it is."""
+    """Ratio of the two resolutions, and the order with which errors fall."""
     period_map: PeriodMap
     """Its period map of the problem."""
 
@@ -54,7 +54,7 @@ class OrbitErrors:
     history: History
     """The motion, with the errors of its contacts."""
     source: str
-    """How they were estimated, or why they are infinite."""
+    """How the errors were estimated, or why they are infinite."""
     comparison: Comparison | None = None
     """The finer motion, for errors of other quantities; None where the errors are infinite."""
 
@@ -144,7 +144,8 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
 
 
 def _whole(history: History) -> tuple[list[Contact], list[int]]:
-    """The contacts of a periodic motion, joined where its ends cut them in two; and the whole of each."""
+    """The contacts of a periodic motion, joined where its ends cut them in two; and the index of the whole of each
+    contact."""
     contacts = history.contacts
     cut = {c.stop: i for i, c in enumerate(contacts) if c.open_end and not c.open_start}
     rest = {i: cut[c.stop] for i, c in enumerate(contacts) if c.open_start and not c.open_end and c.stop in cut}

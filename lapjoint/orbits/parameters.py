@@ -22,10 +22,10 @@ class Retunes(Protocol):
     """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
-        """The map of a problem with another value of one parameter; None if this map does not know it by the parameter.
+        """The map with another value of one parameter; None if the solver must make the map anew.
 
         `field` is the path of the parameter, as `lapjoint.Axis` takes it, and `value` its value in its SI unit;
-        `problem` gives the problem, and is called only where it is needed.
+        `problem` gives the problem with this value, and is called only where it is needed.
         """
 
 
@@ -60,7 +60,8 @@ def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
 def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChange:
     """How ``H`` harmonic forces change with `FREQUENCY` or `AMPLITUDE`, which has a `value`, in its SI unit.
 
-    `of_base`, (H,), is 1 for each force that is due to the base, which goes with the square of the frequency; else 0.
+    `of_base`, (H,), is 1 for each force that the motion of the base causes, which goes with the square of the
+    frequency; else 0.
     """
     sizes = 2 * of_base if field == FREQUENCY else of_base
     return ExcitationChange(1 / value if field == FREQUENCY else 0.0, sizes / value)

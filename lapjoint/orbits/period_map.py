@@ -59,10 +59,10 @@ class PeriodMap(Protocol):
         """The section point of the problem's initial state."""
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March on from a section point; time counts from 0 there.
+        """March from a section point; time counts from 0 there.
 
-        Whole periods marched at once end at the same bits as one after the other.  After an odd number of half
-        periods the end is a section point only once it is `mirrored`.
+        Whole periods marched in one call end bit for bit as the same periods in several calls.  After an odd number of
+        half periods the end is a section point only once it is `mirrored`.
 
         Parameters
         ----------
@@ -79,11 +79,11 @@ class PeriodMap(Protocol):
         Raises
         ------
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
 
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The same march with everything that a `History` holds.
+        """The march of `march` with everything that a `History` holds.
 
         Parameters
         ----------
@@ -95,12 +95,12 @@ class PeriodMap(Protocol):
         Returns
         -------
         History
-            It starts at a multiple of the period.
+            The march, which starts at a multiple of the period.
 
         Raises
         ------
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
 
     def difference(self, point: SectionPoint, origin: SectionPoint) -> FloatArray:
@@ -109,16 +109,16 @@ class PeriodMap(Protocol):
         Parameters
         ----------
         point, origin : SectionPoint
-            The two, of this map; their contact states may differ.
+            Two section points of this map; their contact states may differ.
 
         Returns
         -------
         FloatArray, shape (n,)
-            In the coordinates that belong to `origin`.
+            The deviation in the coordinates that belong to `origin`.
         """
 
     def norm(self, deviation: FloatArray) -> float:
-        """Size of a deviation: of displacements, and of velocities over the excitation frequency, alike.
+        """Size of a deviation: displacements, and velocities divided by the excitation frequency, have equal weight.
 
         Parameters
         ----------
@@ -132,7 +132,7 @@ class PeriodMap(Protocol):
         """
 
     def size(self, point: SectionPoint) -> float:
-        """Size of a section point: that of its deviation from rest.
+        """Size of a section point: the `norm` of its deviation from rest.
 
         Parameters
         ----------
@@ -158,13 +158,13 @@ class PeriodMap(Protocol):
         Returns
         -------
         SectionPoint
-            The moved point; its contact state, and so its coordinates, may be of another kind.
+            The moved point; its contact state, and with it its coordinates, may differ from those of `origin`.
         """
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image, z -> -z; asked for only if the problem is its own.
+        """The mirror image, z -> -z; asked for only if the problem is its own mirror image.
 
-        Deviations of mirrored points differ from those of the points in their sign only.
+        A deviation between mirrored points is the negative of the deviation between the points.
 
         Parameters
         ----------
@@ -200,11 +200,11 @@ class PeriodMap(Protocol):
 
 
 MOST_PIECES = 10_000_000
-"""Largest number of periods of a march whose motion is kept: more would take hours, and all memory."""
+"""Limit of the periods of a march whose motion is kept: more would take hours, and all memory."""
 
 
 def period_pieces(period: float, duration: float) -> list[float]:
-    """The durations, s, of the whole periods, and of the rest, in which a march over a `duration` goes on.
+    """The durations, s, of the pieces of a march over a `duration`: whole periods, then the rest.
 
     An `InputError` refuses more than `MOST_PIECES`.
     """
@@ -218,7 +218,8 @@ def period_pieces(period: float, duration: float) -> list[float]:
 
 
 def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
-    """The periods that some decay times 1 / (zeta omega) of the slowest free vibration take; 0 without damping.
+    """The periods that `decay_times` decay times 1 / (zeta omega) of the slowest free vibration take; 0 without
+    damping.
 
     It is ``most + 1`` where they are more than `most`, the largest number that the caller marches.
     """
@@ -232,7 +233,7 @@ class Derivative(NamedTuple):
     """Derivative of a march's end, in the coordinates that belong to its start."""
 
     matrix: FloatArray
-    """By the start, shape ``(n, n)``."""
+    """Derivative by the start, shape ``(n, n)``."""
     factors: tuple[FloatArray, FloatArray] | None = None
     """Two matrices whose product `matrix` is, of shapes ``(n, r)`` and ``(r, n)`` with a small r; None if r is n."""
 
@@ -242,13 +243,13 @@ class Linearised:
     """A march over some half periods with its derivative."""
 
     end: SectionPoint
-    """Where it ends; not mirrored."""
+    """End of the march; not mirrored."""
     derivative: Callable[[], Derivative] = field(repr=False)
     """Gives the derivative; called only where it is needed."""
     trace: Callable[[], Sequence[Segment]] = field(repr=False)
     """Gives the march from switch to switch, without gaps in time; called only where it is needed."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
-    """Gives the march without deviations (e has no coordinates), where that is less work; else None."""
+    """Gives the march without deviations (`Segment.deviations` has no columns), where that is less work; else None."""
 
     @cached_property
     def known(self) -> Derivative:
@@ -288,7 +289,7 @@ class Tangent(Protocol):
     """A period map that knows its own derivative."""
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:
-        """March on from a section point and carry all deviations along; the end is not mirrored.
+        """March from a section point and carry all deviations along; the end is not mirrored.
 
         Parameters
         ----------
@@ -305,7 +306,7 @@ class Tangent(Protocol):
         Raises
         ------
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """
 
 
@@ -318,13 +319,15 @@ class UnitNorms(Protocol):
 
 
 LEAST_GROWTH = 1e-150
-"""Least growth of a deviation over a period: the squares of smaller numbers, of which sizes are made, underflow."""
+"""Least growth of a deviation over a period: sizes are roots of sums of squares, and the squares of smaller numbers
+underflow."""
 
 
 def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
-    """The size, at least `LEAST_GROWTH`, of a deviation, (n,), of unit size a period before; and it, of unit size.
+    """The size, at least `LEAST_GROWTH`, of a deviation, (n,), that had unit size a period before; and the deviation,
+    scaled to unit size.
 
-    A deviation that has all but vanished has lost its direction, and any other deviation goes on in its place.
+    A deviation that has all but vanished has lost its direction, and any other deviation takes its place.
     """
     size = norm(deviation)
     if size < LEAST_GROWTH:
@@ -337,13 +340,13 @@ class Followed:
     """A march over some periods, and the growth of one deviation."""
 
     points: tuple[SectionPoint, ...]
-    """The section point after each period, as many as periods."""
+    """The section point after each period."""
     impulses: FloatArray
     """Impulse of each stop over each period, N s, top positive, bottom negative, shape ``(periods, stops)``."""
     switches: int
     """How often a stop opened or closed."""
     growth: FloatArray
-    """Natural logarithm of the deviation's growth in each period, of `LEAST_GROWTH` at least, shape ``(periods,)``."""
+    """Natural logarithm of the deviation's growth, at least `LEAST_GROWTH`, in each period, shape ``(periods,)``."""
     deviation: FloatArray
     """The deviation at the end, of unit size, in the coordinates that belong to the last point, shape ``(n,)``."""
 
@@ -353,7 +356,7 @@ class Follows(Protocol):
     """A period map that carries one deviation along a long march by itself."""
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March on over whole periods, to the bits of `PeriodMap.march`, and carry one deviation along.
+        """March over whole periods, bit for bit as `PeriodMap.march`, and carry one deviation along.
 
         Parameters
         ----------
@@ -372,5 +375,5 @@ class Follows(Protocol):
         Raises
         ------
         SolverError
-            If the march cannot go on.
+            If the march cannot be continued.
         """

@@ -1,17 +1,17 @@
 r"""The error of an answer, from its distance to the answer at a finer resolution of its solver.
 
 Let e be the error of an answer, and e' its error at `ratio` = r times the resolution.  If the error falls with the p-th
-power of the resolution or faster, |e'| <= |e| / r^p.  Only the difference d = e - e' is seen, and from it
+power of the resolution or faster, |e'| <= |e| / r^p.  Only the difference d = e - e' is known.  From it follow
 
     |e| <= |d| + |e'|,    |e'| <= |d| / (r^p - 1).
 
-The d of one number can be small by chance while its e' is not, as numbers converge irregularly and change sign on the
-way; numbers of one motion share its error.  The second term therefore takes the largest |d| of all of them.  `SAFETY`
-is for numbers that converge more slowly than assumed.
+The d of one number can be small by chance while its e' is not, because errors fall irregularly and may change sign.
+The numbers of one motion share its error.  The second term therefore takes the largest |d| of all numbers of the
+motion.  `SAFETY` is for numbers that converge more slowly than assumed.
 
-A derivative of the displacement converges more slowly than the displacement: each derivative by x multiplies the part
-of the k-th mode by k, and each by t by k^2, as frequencies of a beam go with the square of the wave number.  The order
-p is therefore less by one for each derivative by x, and by two for each by t, down to `LEAST_ORDER`.
+A derivative of the displacement converges more slowly than the displacement.  Each derivative by x multiplies the part
+of the k-th mode by k, and each derivative by t by k^2, because a beam's frequencies go with the square of the wave
+number.  The order p is therefore less by one for each derivative by x, and by two for each by t, down to `LEAST_ORDER`.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ import numpy as np
 from lapjoint.problem import FloatArray
 
 SAFETY = 3.0
-"""Stated errors over those by the order of convergence: where a mesh hardly resolves contacts with a stiff stop, one
-true error in twenty is larger than the latter, up to three times."""
+"""Stated errors divided by the errors that follow from the order of convergence.  Where a mesh hardly resolves contacts
+with a stiff stop, one true error in twenty is larger than the latter, up to three times."""
 LEAST_ORDER = 1.0
 """Least order of convergence of any derivative: after a kink of a force the acceleration of mode k goes with k^-2, and
 the sum of the truncated modes with k^-1."""
@@ -40,7 +40,7 @@ class Refinement:
     name: str
     """Name and options of the finer solver."""
     ratio: float
-    """Its resolution over the resolution of the solver, above 1."""
+    """Resolution of the finer solver divided by that of the solver, above 1."""
     order: float
     """Order of convergence that all but few problems reach."""
 

@@ -1,18 +1,19 @@
 """The search for the steady state: march, and find by Newton's method an orbit that the march is bound for.
 
-The march goes on period by period, as `simulate` does.  Now and then Newton's method begins at its section point: for
+The march continues period by period, as `simulate` does.  Now and then Newton's method begins at its section point: for
 one period, symmetric motions first, and for several periods after which the march has nearly come back.  A stable orbit
-is the steady state only if the march is bound for it for all time to come (`lapjoint.orbits.approach`).  If it is not,
-the forecast says how long to march before the orbit is looked at again.  The orbit is dropped if the march meanwhile
-leaves the course that the linearised map predicts.
+is the steady state only if the march is bound for it, that is, stays near it for all later time
+(`lapjoint.orbits.approach`).  If the march is not yet bound for it, the forecast says how long to march before the next
+test.  The orbit is dropped if the march meanwhile leaves the course that the linearised map predicts.
 
 A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  A march that has not
 settled for long is followed together with a deviation, and its Lyapunov exponent is measured over ever longer
-stretches.  The outcome is believed when two successive stretches show it, the second longer than the first: a long
-transient, or chaos that pauses, deceives one of them more easily than both.  The second stretch must last for twenty
-decay times of the slowest free vibration, and for a hundred if a stable orbit is known, or found where the march nearly
-comes back; all within the effort allowed.  The motion counts as accepted at the start of the second stretch, from which
-anyone can repeat it.  A march that all but comes back is not called quasi-periodic.
+stretches of periods.  The outcome is believed when two successive stretches show it, the second longer than the first:
+a long transient, or chaos that pauses, deceives one of them more easily than both.  The second stretch must last for
+twenty decay times of the slowest free vibration.  It must last for a hundred if a stable orbit is known, or is found
+where the march nearly comes back.  Both lengths are limited by the effort allowed.  The motion counts as accepted at
+the start of the second stretch, from which anyone can repeat it.  A march that nearly comes back is not called
+quasi-periodic.
 
 Where a deviation grows beyond rounding in each of the last periods, rounding alone decides where each period ends.
 Newton's method is then not tried again, and the stretches begin at once, as short as a standard error allows.
@@ -44,59 +45,63 @@ from lapjoint.summaries.correlated_series import standard_error
 FIRST_LOOK = 8
 """Periods after which Newton's method is first tried from rest: most motions are then near enough to their orbit."""
 FIRST_LOOK_NEAR = 4
-"""Periods after which it is first tried from a known section point, which is likely to be near an orbit."""
+"""Periods after which Newton's method is first tried from a known section point, which is likely to be near an
+orbit."""
 TRANSIENT = 256
-"""Periods marched before an exponent is measured: the transient must not count."""
+"""Periods marched before an exponent is measured, so that the transient does not count."""
 STRETCH = 512
 """Least number of periods over which an exponent is measured."""
 SHORT_STRETCH = 64
-"""Least number where a deviation grows beyond rounding in each period: enough for a standard error of the mean."""
+"""Least number of periods of a stretch where a deviation grows beyond rounding in each period: enough for a standard
+error of the mean."""
 _NEARLY_BACK = 0.05
-"""Largest distance from an earlier section point, over the size of the motion, from which Newton's method is tried for
-an orbit over the periods between them."""
+"""Largest distance from an earlier section point, as a fraction of the size of the motion, from which Newton's method
+is tried for an orbit over the periods between them."""
 _RETURNS = 3
-"""Number of the nearest such points for which it is tried."""
+"""Newton's method is tried from this many of the nearest earlier section points."""
 _NEAR = 0.2
-"""Largest residual over several periods, over the size of the motion, from which Newton's method is tried."""
+"""Largest residual over several periods, as a fraction of the size of the motion, from which Newton's method is
+tried."""
 _COURSE = 0.25
-"""Largest share of the linearised map's step by which the march may miss that step."""
+"""Largest error of the linearised map's prediction of the march, as a fraction of the step that it predicts."""
 _SLOWER = 0.5
-"""Largest share of the decrease of the distance by the slowest multiplier by which the march may miss the linearised
-map: a march that misses by more may go around the orbit for ever."""
+"""Largest error of the linearised map's prediction, as a fraction of the decrease of the distance by the slowest
+multiplier: a march with a larger error may go around the orbit for ever."""
 _THERE = 1e-8
-"""Distance from an orbit, over the size of the motion, within which rounding decides how a step goes."""
+"""Distance from an orbit, as a fraction of the size of the motion, within which rounding decides the direction of a
+step."""
 _AT = 1e-11
-"""Distance from an orbit, over the size of the motion, within which a march is at the orbit: rounding and the tolerance
-of switches make some 1e-13."""
+"""Distance from an orbit, as a fraction of the size of the motion, within which a march is at the orbit: rounding and
+the tolerance of switches make some 1e-13."""
 MULTIPLES_AT_A_LOOK = 8
-"""Periods marched each time Newton's method is tried, to see after how many the march comes back."""
+"""Periods marched each time Newton's method is tried, to see after which number of periods the march comes back."""
 DECAY_TIMES = 20.0
 """Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9."""
 SUSPECT = 5
-"""Factor of that length where a stable orbit is known: chaos may then be a long transient."""
+"""Factor of `DECAY_TIMES` where a stable orbit is known: chaos may then be a long transient."""
 _WATCHED = 192
-"""Number of the last points of a stretch among which nearly closed orbits are looked for."""
+"""Number of the last points of a stretch among which nearly closed orbits are searched for."""
 _FEW = 3
-"""Largest number of periods of these orbits."""
+"""Longest period of the nearly closed orbits searched for, in excitation periods."""
 _TRIED = 4
-"""Number of these orbits, the most nearly closed, for which Newton's method is tried."""
+"""Newton's method is tried for this many of the nearly closed orbits, the most nearly closed first."""
 _LOCKED = 1e-3
-"""Distance from an earlier section point, over the breadth of the march, within which the motion may be locked to some
-multiple of the period, and is not called quasi-periodic."""
+"""A motion that comes nearer than this to an earlier section point, as a fraction of the breadth of the march, may be
+locked to some multiple of the period, and is not called quasi-periodic."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard to look for a steady state."""
+    """Limits of the search for a steady state."""
 
     max_period_multiple: int = 64
-    """Longest periodic motion looked for, in excitation periods."""
+    """Longest period of the periodic motions searched for, in excitation periods."""
     max_periods: int = 16_000
-    """Excitation periods marched, at most; at least one stretch more where an exponent is due."""
+    """Limit of the excitation periods marched; where an exponent has to be measured, at least one stretch more."""
     max_switches: int = 20_000_000
-    """Switches met on the way, at most."""
+    """Limit of the switches during the march."""
     growth: bool = True
-    """Whether to measure the growth of deviations on the way, which about doubles the time."""
+    """Whether to measure the growth of deviations during the march, which about doubles the time."""
 
 
 @dataclass(frozen=True)
@@ -106,24 +111,26 @@ class SearchResult:
     motion: Orbit | Wandering
     """The orbit or the stretch."""
     acceptance: Acceptance
-    """From where, and how late, the motion was accepted."""
+    """The section point at which, and the number of periods after which, the motion was accepted."""
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation, (n,), is within a share of the orbit's size, or within ten residuals of the orbit."""
+    """Whether a deviation, (n,), is within a fraction `share` of the orbit's size, or within ten residuals of the
+    orbit."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
 def as_linearised(
     half_periods: HalfPeriods, orbit: Orbit, deviation: FloatArray, after: Callable[[], FloatArray]
 ) -> bool:
-    """Whether a march comes nearer to a stable orbit by the step that the linearised map makes, well enough.
+    """Whether a march approaches a stable orbit by nearly the step that the linearised map makes.
 
     `deviation`, (n,), is e at the orbit's section point; `after` gives e one period of the orbit later, and is called
-    only where it is needed. Without switches the march must make that step if it is bound for the orbit. Else, if M is
-    the map's derivative, the march misses the linearised step by little against (I - M) e, the step of no other fixed
-    point, and against what the slowest multiplier takes off the distance: a motion of many periods around the orbit
-    would not.
+    only where it is needed.  Without switches the march must make that step if it is bound for the orbit, and within
+    rounding of the orbit nothing can be compared.  Else let M be the derivative of the map.  The error of the
+    linearised step must be small compared with (I - M) e, the error that another fixed point would make.  It must also
+    be small compared with the decrease of the distance by the slowest multiplier: a motion of many periods around the
+    orbit would make a larger error.
     """
     if not orbit.watch.switches.time.size or near(half_periods, _THERE, orbit, deviation):
         return True
@@ -133,16 +140,16 @@ def as_linearised(
 
 
 class SteadyStateSearch:
-    """A march under way; `progress` is called with the periods marched and the most allowed."""
+    """A march under way; `progress` is called with the periods marched and their limit."""
 
     def __init__(self, period_map: PeriodMap, effort: Effort, progress: Progress | None = None) -> None:
         self._map, self._effort, self._progress = period_map, effort, progress
         self._half_periods = HalfPeriods(period_map)
         self._follows: Follows = period_map if isinstance(period_map, Follows) else FiniteDifferences(period_map)
         self.point: SectionPoint
-        """Where the march is, once it runs."""
+        """The section point that the march has reached; set by `run`."""
         self.marched = 0
-        """Periods that it has marched."""
+        """Periods marched."""
         self._switches = self._pushes = 0
         self._growth: list[FloatArray] = []  # logarithms, period by period, of what was followed
         self._deviation: FloatArray | None = None
@@ -165,7 +172,7 @@ class SteadyStateSearch:
         return self._wander()
 
     def _wander(self) -> SearchResult:
-        """Go on with a march that has not settled, and measure its exponent over stretches ever longer."""
+        """Continue a march that has not settled, and measure its exponent over ever longer stretches."""
         before: Wandering | None = None
         stretch = self._shortest
         while True:
@@ -220,7 +227,7 @@ class SteadyStateSearch:
         return SearchResult(motion, replace(at, pushes=self._pushes, growth=growth))
 
     def _advance(self, periods: int) -> None:
-        """March on over some periods."""
+        """March over some periods."""
         if self._effort.growth:
             self._follow(periods)
         elif periods > 0:
@@ -229,7 +236,7 @@ class SteadyStateSearch:
             self._count(periods, passage.switches)
 
     def _follow(self, periods: int) -> Followed | None:
-        """March on over some periods, together with a deviation."""
+        """March over some periods, together with a deviation."""
         if periods <= 0:
             return None
         found = self._follows.followed(self.point, self._unit_deviation(), periods)
@@ -256,7 +263,7 @@ class SteadyStateSearch:
             self._progress(min(self.marched, self._effort.max_periods), self._effort.max_periods)
 
     def _look(self) -> Orbit | None:
-        """The orbit that the march is bound for, if one is found; the march goes on meanwhile."""
+        """The orbit that the march is bound for, if one is found; the march advances meanwhile."""
         for count in range(self._half_periods.least, 3, self._half_periods.least):
             orbit = self._orbit(count, FAR)
             if orbit is not None:
@@ -293,7 +300,7 @@ class SteadyStateSearch:
         return None
 
     def _bound_for(self, orbit: Orbit) -> bool:
-        """Whether the march is bound for a stable orbit; the march goes on until that is known."""
+        """Whether the march is bound for a stable orbit; the march continues until this is known."""
         multiple, left = orbit.period_multiple, 2 * self._effort.max_periods // orbit.half_periods
         while True:
             deviation = self._map.difference(self.point, orbit.point)
@@ -308,7 +315,7 @@ class SteadyStateSearch:
                 return False
 
     def _stays(self, orbit: Orbit) -> bool:
-        """March on until free vibration has decayed; whether the march is still at the orbit.
+        """March until free vibration has decayed; whether the march is still at the orbit.
 
         A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, and no forecast can
         show that a march is bound for the orbit.
@@ -329,9 +336,9 @@ class SteadyStateSearch:
         return as_linearised(self._half_periods, orbit, deviation, after)
 
     def on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
-        """March on over some periods; whether the march keeps to the course that the linearised map predicts.
+        """March over some periods; whether the march keeps to the course that the linearised map predicts.
 
-        The two are compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
+        March and prediction are compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
         """
         multiple = orbit.period_multiple
         matrix = np.linalg.matrix_power(orbit.last.matrix, 2 * multiple // orbit.half_periods)
@@ -376,7 +383,7 @@ class SteadyStateSearch:
         return pushed
 
     def _come_back(self, points: Sequence[SectionPoint]) -> Orbit | None:
-        """The orbit of many periods that the march is bound for, from how nearly its last points come back."""
+        """The orbit of many periods that the march is bound for, found by the nearest returns of its last points."""
         most = min(self._effort.max_period_multiple, len(points) - 1)
         returns = np.array([self._half_periods.apart(points[-1 - n], points[-1]) for n in range(1, most + 1)])
         if not returns.size or returns.min() > _NEARLY_BACK:
@@ -394,7 +401,7 @@ class SteadyStateSearch:
     def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
         """Whether an aperiodic march may be a long transient: there is a stable orbit.
 
-        Orbits are looked for where the march nearly comes back after a few periods.
+        Orbits are searched for where the march nearly comes back after a few periods.
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known or self._rounding_decides:
             return self._stable_known and now.outcome is Outcome.APERIODIC
@@ -410,7 +417,7 @@ class SteadyStateSearch:
         return self._stable_known
 
     def _measured(self, periods: int) -> tuple[Wandering, Sequence[SectionPoint]]:
-        """March on over a stretch of periods, and measure the largest Lyapunov exponent; with its section points."""
+        """March over a stretch of periods, and measure the largest Lyapunov exponent; with its section points."""
         found = self._follow(periods)
         assert found is not None
         exponent = exponent_of(found.growth, self._map.period)

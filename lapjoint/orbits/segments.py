@@ -25,15 +25,15 @@ class Segment(NamedTuple):
     """
 
     start: float
-    """Time of its start, s from the start of the march."""
+    """Start of the segment, s from the start of the march."""
     end: float
-    """Time of its end, s from the start of the march."""
+    """End of the segment, s from the start of the march."""
     closed: npt.NDArray[np.bool_]
     """Whether each stop is closed, shape ``(P,)``."""
     rates: ComplexArray
     """Exponents of the terms, 1/s, shape ``(K,)``; their real parts are not positive."""
     weights: ComplexArray
-    """Displacement at each stop by each term, m over the unit of the amplitudes, shape ``(P, K)``."""
+    """Displacement at each stop by each term of unit amplitude, m per unit of the amplitudes, shape ``(P, K)``."""
     amplitudes: ComplexArray
     """Amplitudes of the orbit's terms at the start of the segment, in the solver's own unit, shape ``(K,)``."""
     polynomial: FloatArray
@@ -54,17 +54,17 @@ class Segments(Sequence[Segment]):
     """
 
     start: FloatArray
-    """`Segment.start` of each, s, shape ``(S,)``."""
+    """`Segment.start` of each segment, s, shape ``(S,)``."""
     end: FloatArray
     """`Segment.end` of each, s, shape ``(S,)``."""
     closed: npt.NDArray[np.bool_]
     """`Segment.closed` of each, shape ``(S, P)``."""
     terms: npt.NDArray[np.intp]
-    """Number of terms of each, and of those in its deviations, shape ``(S, 2)``."""
+    """Number of terms of each segment, and number of terms of its deviations, shape ``(S, 2)``."""
     rates: ComplexArray
     """`Segment.rates` of each, 1/s, shape ``(S, K)``."""
     weights: ComplexArray
-    """`Segment.weights` of each, m over the unit of the amplitudes, shape ``(S, P, K)``."""
+    """`Segment.weights` of each, m per unit of the amplitudes, shape ``(S, P, K)``."""
     amplitudes: ComplexArray
     """`Segment.amplitudes` of each, in the solver's own unit, shape ``(S, K)``."""
     polynomial: FloatArray

@@ -45,16 +45,16 @@ def find_steady_state(
     solver : str
         Name and options of the solver.
     effort : Effort
-        How hard to look.
+        Limits of the search.
     start : SectionPoint, optional
         Where to begin instead of at the problem's initial state: a section point of the same solver, of this or a
         neighbouring problem.
     finer : callable, optional
-        Gives the period map at a finer resolution; without it the errors of a periodic motion are unknown.
+        Gives the period map at a finer resolution; without `finer` the errors of a periodic motion are unknown.
     errors : bool
         Whether to estimate the errors of the impulses and of the contacts.
     progress : callable, optional
-        Called with the periods marched, and the most allowed.
+        Called with the periods marched, and their limit.
 
     Returns
     -------
@@ -64,9 +64,9 @@ def find_steady_state(
     Raises
     ------
     InputError
-        If `start` is not a section point of such a problem.
+        If `start` is not a section point of this or a neighbouring problem.
     SolverError
-        If the march cannot go on.
+        If the march cannot be continued.
     """
     begin = period_map.initial() if start is None else period_map.adopted(start)
     first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR

@@ -24,7 +24,7 @@ from lapjoint.orbits.watch import Deviated
 from lapjoint.problem import FloatArray
 
 _SOUND_BASIS = 1e-6
-"""Largest error of V V^-1 for which the eigenvectors are a basis; without a basis nothing is trapped."""
+"""Largest error of V V^-1 for which the eigenvectors are a basis.  Without a basis no deviation is trapped."""
 
 
 @dataclass(frozen=True)

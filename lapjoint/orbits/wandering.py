@@ -23,20 +23,22 @@ class Wandering:
     exponent: Exponent
     """The largest Lyapunov exponent over the stretch."""
     point: SectionPoint
-    """Where the stretch ends."""
+    """Section point at which the stretch ends."""
     breadth: float
-    """Farthest return of its last points, over their size, at the period multiple that makes it least."""
+    """Farthest return of its last points, as a fraction of their size, at the period multiple that makes it least."""
     residual: float
-    """Distance of its last return, over its size, at the period multiple that makes this least."""
+    """Distance of its last return, as a fraction of their size, at the period multiple that makes this distance
+    least."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
     standard_errors: FloatArray
     """Standard errors of these means, with the correlation from period to period, N s, shape ``(stops,)``."""
 
     def confirms(self, before: Wandering) -> bool:
-        """Whether this shows what the stretch before it showed, so that more would tell nothing new.
+        """Whether this stretch shows what the stretch before it showed, so that a longer one would tell nothing new.
 
-        If deviations died out in both, the motion repeats, after more periods than were looked for.
+        Two undecided stretches agree if deviations died out in both: the motion repeats, after more periods than were
+        searched.
         """
         if self.outcome is Outcome.UNDECIDED:
             return before.exponent.negative and self.exponent.negative
@@ -46,13 +48,13 @@ class Wandering:
 def outcome_of(
     exponent: Exponent, lowest_damping_rate: float, breadth: float, *, spirals: bool, pushes: int
 ) -> Outcome:
-    """What one measurement establishes of a march: `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
+    """The outcome that one measurement of a march establishes: `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
 
-    The exponent says nothing of a march that repeats, nor of one that is so narrow that it may be unable to leave an
-    unstable motion, before it has been pushed often enough: there the exponent is the growth of deviations that the
-    march does not make. `breadth` is how far the march is from repeating, over its size; `spirals` says whether an
-    unstable periodic motion is known that nearby motions leave in spirals; `pushes` counts those off an unstable
-    motion.
+    The exponent tells nothing of a march that repeats.  It tells nothing, either, of a march so narrow that it may be
+    unable to leave an unstable motion, before it has been pushed often enough: there the exponent is the growth of
+    deviations that the march does not make.  `breadth` is the distance of the march from repeating, as a fraction of
+    its size.  `spirals` says whether an unstable periodic motion is known that nearby motions leave in spirals.
+    `pushes` counts the pushes off an unstable motion.
     """
     if breadth <= REPEATS:
         return Outcome.UNDECIDED
@@ -62,9 +64,9 @@ def outcome_of(
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """How far a march is from repeating: its farthest and its last return among the last points, over their size.
+    """Farthest and last return of the last points of a march, as fractions of their size: how far it is from repeating.
 
-    Each is that of the period multiple, up to `most`, that makes it least.
+    Each is taken at the period multiple, up to `most`, that makes it least.
     """
     last = points[-_WATCHED - 1 :]
     map_ = half_periods.map
@@ -78,6 +80,7 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """The least distance of a march's last point from its later half, over the size; inf without another point."""
+    """The least distance of a march's last point from its later half, as a fraction of the size; inf without another
+    point."""
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

@@ -1,13 +1,13 @@
 r"""Bounds on the distances of an orbit, and of deviations from it, to every stop, at every phase and not only at
 samples.
 
-Along an orbit each stop has a distance |h_s(t)| from its gap, zero where it switches.  A deviation e at the start moves
-the beam at the stop by d_s(t) = D_s(t) e.  Time is cut into intervals; in each
+Along an orbit the beam has a distance |h_s(t)| from the gap of each stop s, zero where the stop switches.  A deviation
+e at the start moves the beam at the stop by d_s(t) = D_s(t) e.  Time is cut into intervals; in each
 
     |h_s| >= min over both ends - H w^2 / 8,      |d_s| <= max over both ends + sum_k |a_k| min(|r_k|^2 w^2 / 8, 2)
 
-with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s: no term grows, and a chord misses a
-function by at most w^2 / 8 times its second derivative, and a term by at most twice its size.  Intervals are narrower
+with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s.  No term grows.  The error of a chord is at
+most w^2 / 8 times the second derivative of the function, and for a term at most twice its size.  Intervals are narrower
 where the first bound would not be tight, and towards the switches, where h vanishes.
 """
 
@@ -66,11 +66,11 @@ class Intervals:
     before: IndexArray
     """The last switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none."""
     since: FloatArray
-    """Time from that switch to the start of the interval, s, shape ``(m,)``; inf if there is none."""
+    """Time from the last switch to the start of the interval, s, shape ``(m,)``; inf if there is none."""
     after: IndexArray
     """The next switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none."""
     until: FloatArray
-    """Time from the end of the interval to that switch, s, shape ``(m,)``; inf if there is none."""
+    """Time from the end of the interval to the next switch, s, shape ``(m,)``; inf if there is none."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Deviated:
     at_switches: FloatArray
     """Motion at the stop that switches, at the switch, m, shape ``(J, K)``."""
     rates: FloatArray
-    """Rate of that motion just before the switch, m/s, shape ``(J, K)``."""
+    """Rate of `at_switches` just before the switch, m/s, shape ``(J, K)``."""
 
 
 class Watch(Protocol):
@@ -101,7 +101,8 @@ class Watch(Protocol):
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
-    """Stops as compiled functions take them, with the twin of each where the motion goes on mirrored; places ascend."""
+    """Stops as compiled functions take them, with the twin of each where the motion continues mirrored; places
+    ascend."""
     return Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
         gap=np.array([stop.gap for stop in stops], dtype=float),
@@ -111,7 +112,7 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
 
 
 class SegmentWatch:
-    """The watch over an orbit with segments in closed form; with `twins` the orbit goes on mirrored."""
+    """The watch over an orbit with segments in closed form; with `twins` the orbit continues mirrored."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0

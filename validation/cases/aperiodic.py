@@ -27,12 +27,12 @@ STARTS = 12
 exponents is the uncertainty of one measurement: the standard error stated by one motion is half of that scatter at
 times, because intermittent chaos has few independent parts."""
 SPEED = 1e-3  # Initial speed of the tip in the second motion, m/s; the k-th motion starts with k - 1 times as much
-MOST = 10  # Most certified motions from which the exponent is taken
+FEWEST = 10  # Fewest certified motions from which an exponent is taken
 PROBABILITY = 0.99  # Probability with which the interval of an exponent holds it
 
 
 def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> SteadyState:
-    """The motion that remains, by the solver named, of a beam whose tip has a speed at first, m/s."""
+    """The steady motion by the solver named, of a beam whose tip starts at `speed`, m/s."""
     problem = problem.replace(initial=PolynomialShape(velocity=(0.0, 0.0, speed / problem.beam.length**2)))
     if which == "analytic":
         return analytic.Solver().steady_state(problem, errors=False)
@@ -82,8 +82,8 @@ def run(level: Level, say: Say) -> CaseResult:
                 )
             known = [one.exponent for one in exact if one.outcome is Outcome.APERIODIC and one.exponent is not None]
             reason = "from rest, and from tips that move at first"
-            criteria.append(Criterion(f"{label}: motions certified", "1", len(known), MOST, STARTS, reason))
-            if len(known) < MOST or fe.exponent is None:
+            criteria.append(Criterion(f"{label}: motions certified", "1", len(known), FEWEST, STARTS, reason))
+            if len(known) < FEWEST or fe.exponent is None:
                 continue
             a, b = exponents(known, fe.exponent)
             checks.append(Check(f"{label}: largest Lyapunov exponent", "1/s", a, b))

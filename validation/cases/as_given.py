@@ -1,7 +1,7 @@
 """The ground: is a problem read as it is written, and are answers made of the right arithmetic?
 
-Solvers share what is solved and what an answer is, so neither can tell when that is wrong.  Here plain numbers stand on
-the other side: those of the file by `tomllib`, those of the paper's tables, and closed forms.
+Both solvers share the problem and the form of an answer, so neither notices a mistake in these.  The references here
+are plain numbers: the values of the file by `tomllib`, the values of the paper's tables, and closed forms.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ SECTIONS = {
 
 
 def same(name: str, found: float, reference: float, unit: str = "SI", rounding: float = 0.0) -> Check:
-    """A number against what it must be, to rounding relative to it."""
+    """A number against its exact value, to relative rounding."""
     a = Estimate(float(found), rounding * abs(reference), "as the project has it")
     return Check(name, unit, a, Estimate(float(reference), 0.0, "plain arithmetic", Kind.ANALYTICAL))
 
@@ -176,7 +176,7 @@ def overridden() -> Iterator[Check | Criterion]:
 
 
 def meanings(problem: Problem) -> Iterator[Check]:
-    """What the parts of `FILE` amount to, by arithmetic."""
+    """Quantities that the parts of `FILE` define, by arithmetic."""
     x = np.array([0.3, 1.9])
     for i, at in enumerate(x):
         z = 1.9e-4 * at**2 - 3.1e-5 * at**3
@@ -204,7 +204,7 @@ def meanings(problem: Problem) -> Iterator[Check]:
 
 
 def driving(problem: Problem) -> Iterator[Check]:
-    """What drives the beam of `FILE` at a moment, by arithmetic."""
+    """The forces on the beam of `FILE` at one time, by arithmetic."""
     t, m = 0.0217, 2713.0 * math.pi * (0.061**2 - 0.047**2) / 4
     by_place = {
         None: m * 2.7e-3 * 143.0**2 * math.sin(143.0 * t + 0.37),
@@ -268,7 +268,7 @@ def presets() -> Iterator[Check]:
 
 
 def written_down(problem: Problem) -> History:
-    """A motion that is written down: z = 2 mm sin(143 t) x^3, with three contacts."""
+    """A History of a motion in closed form, z = 2 mm sin(143 t) x^3, with three contacts."""
 
     def motion(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
         shape = 2e-3 * (x**3, 3 * x**2, 6 * x, np.full_like(x, 6.0))[dx]
@@ -281,7 +281,7 @@ def written_down(problem: Problem) -> History:
 
 
 def arithmetic(problem: Problem) -> Iterator[Check]:
-    """What a History, its impulses, and an exponent are made of."""
+    """Quantities, impulses and an exponent of a History in closed form."""
     history, t = written_down(problem), 0.0123
     wave = 2e-3 * math.sin(143.0 * t)
     EI = 7.1e10 * math.pi * (0.061**4 - 0.047**4) / 64
@@ -314,8 +314,8 @@ BOUNCES: dict[str, tuple[bool, tuple[tuple[float, float], ...]]] = {
     "three, and a rest shorter than the contact before": (False, ((0, 2), (10, 12), (16, 18), (19, 20.5))),
     "three, and a rest shorter than the flight before": (False, ((0, 2), (10, 12), (17, 18), (21, 23))),
 }
-"""Start and end of contacts of one stop in a period of 80 ms, ms, and whether it chatters: it bounces, three flights in
-a row being shorter each time, and then leans on the stop for longer than the contact and the flight before."""
+"""Start and end, ms, of the contacts of one stop in a period of 80 ms, and whether they chatter: three flights in a row
+are shorter each time, and then the stop is held for longer than the contact and the flight before."""
 
 
 def chatter(problem: Problem) -> Iterator[Check]:
@@ -338,7 +338,7 @@ the springs that act."""
 
 
 def states() -> Iterator[Check]:
-    """The paper's numbers of contact states."""
+    """The paper's numbers of the contact states."""
     joint = paper_joint()
     for number, closed in PAPER_STATES.items():
         state = ContactState(tuple(joint.stop_names.index(name) for name in closed.split()))
@@ -403,7 +403,8 @@ def propagator() -> Iterator[Check]:
 
 
 def meshes() -> Iterator[Check]:
-    """How many elements each stretch of a finer mesh gets, by which errors are judged; a short one stays as it is."""
+    """Number of elements in each stretch of a finer mesh, by which errors are judged; a short stretch stays as it
+    is."""
     joint = paper_joint()
     near = joint.stops[1].model_copy(update={"name": "near", "x": joint.stops[1].x + SHORT_STRETCH})
     problem = joint.replace(stops=(*joint.stops, near))
@@ -418,7 +419,7 @@ def meshes() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it, at once."""
+    """All comparisons of the ground with plain numbers."""
     say("file, presets, arithmetic")
     problem = from_toml(FILE)
     items = [

@@ -2,7 +2,7 @@
 
 x'' + omega_1^2 x = 0 for x < gap, and x'' + omega_2^2 x = (omega_2^2 - omega_1^2) gap beyond, with omega_2 > omega_1:
 the bilinear oscillator of S. W. Shaw and P. J. Holmes, "A periodically forced piecewise linear oscillator", J. Sound
-Vib. 90 (1983) 129-155, unforced.  Each piece is a sine; where it ends is solved for by brentq.
+Vib. 90 (1983) 129-155, unforced.  Each piece is a sine, whose end brentq finds.
 """
 
 from __future__ import annotations

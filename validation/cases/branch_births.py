@@ -1,8 +1,9 @@
-"""Where a symmetry breaks, and where a torus is born: bars of one contact, whose motions are closed form.
+"""Symmetry breaking and the birth of a torus: bars of one contact, whose motions have a closed form.
 
-A bar on a pin between two equal stops, and one on two springs beside one stop, are followed over the amplitude of the
-base at two bending stiffnesses.  The rigid bar to which they tend has its bifurcations where a multiplier of
-`validation.references.bilinear_map` leaves the unit circle, and each point must be stable on one side of it alone.
+A bar on a pin between two equal stops, and a bar on two springs beside one stop, are followed over the amplitude of the
+base at two bending stiffnesses.  The limit of rigid bars has its bifurcations where a multiplier of
+`validation.references.bilinear_map` leaves the unit circle.  The branch must be stable on one side of each bifurcation
+only.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ import xarray as xr
 from lapjoint import branch
 from lapjoint.problem.files import from_toml
 from validation.case import Say
-from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure
-from validation.cases.rigid_bar import CURVED, RATIO
+from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure, to_rigid
+from validation.cases.rigid_bar import RATIO
 from validation.references.bilinear_map import BilinearMap, OneContact
 from validation.references.rigid_bar import RigidBar
 from validation.verdict import Check, Criterion, Estimate, Kind
@@ -82,13 +83,13 @@ class Birth:
     """A bar, and its bifurcation."""
 
     kind: str
-    """Its name in a dataset of branches."""
+    """Name of the bifurcation in a dataset of branches."""
     text: str
     """The problem file, with a place for the bending stiffness."""
 
     @property
     def name(self) -> str:
-        """In words."""
+        """The kind of bifurcation in words."""
         return self.kind.replace("_", " ")
 
     def closed_form(self) -> OneContact:
@@ -124,10 +125,7 @@ def _over(birth: Birth, say: Say) -> Iterator[Check | Criterion]:
         yield from _beside(birth, data, found, where)
         values.append(found[0].value)
     soft, stiff = values
-    change = stiff.value - soft.value
-    errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
-    how = f"beams {STIFFNESS:g} and {RATIO * STIFFNESS:g} N m2 stiff, taken to the limit"
-    a = Estimate(stiff.value + change / (RATIO - 1), CURVED * abs(change) + errors, how)
+    a = to_rigid(soft, stiff, STIFFNESS)
     b = Estimate(exact, 0.0, "where a multiplier of a rigid bar leaves the circle", Kind.ANALYTICAL)
     yield Check(f"bar, {birth.name}: {SOLVER}, against closed form", "m", a, b)
 

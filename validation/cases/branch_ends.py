@@ -1,12 +1,12 @@
-"""Where branches end, and where a range has none: two joints like the paper's.
+"""Ends of branches, and ranges without a branch: two joints like the paper's.
 
-With 0.09 of damping the damping forces, which jump as a stop is left, turn the stop's acceleration about: a short
-flight would be on the wrong side of the stop, and the branch ends at that graze.  Both solvers must have that end at
-one frequency.
+The first joint has 0.09 of critical damping.  Its damping forces jump when a stop is left, and reverse the acceleration
+of the stop: a short flight would be on the wrong side of the stop, so the branch ends at that graze.  Both solvers must
+find the end at one frequency.
 
-With four fifths of the gaps contacts begin and end in close succession, and symmetries break between them.  A branch
-that is led back across one of these grazes never comes to the other end of the range.  So motions from both ends
-must cover the range, and what they leave must be told.
+The second joint has four fifths of the paper's gaps.  Contacts begin and end in close succession, and symmetries break
+between them.  A branch that turns back at one of these grazes never reaches the other end of the range.  Branches from
+both ends must therefore cover the range, and the rest must be reported.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def _end(say: Say) -> Iterator[Check | Criterion]:
 
 
 def told_of(found: xr.Dataset) -> list[tuple[float, float]]:
-    """The parts of the range that the dataset tells are on no branch."""
+    """The parts of the range that the dataset reports as without a branch."""
     if "uncovered_from" not in found:
         return []
     ends = np.stack([found["uncovered_from"].values, found["uncovered_to"].values], axis=1)

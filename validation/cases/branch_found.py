@@ -11,6 +11,7 @@ import xarray as xr
 
 import analytic
 import fe_lapjoint
+from validation.cases.rigid_bar import CURVED, RATIO
 from validation.verdict import Criterion, Estimate
 
 AMPLITUDE = "base_motion.amplitude"
@@ -27,17 +28,17 @@ class Found:
     """A bifurcation."""
 
     kind: str
-    """Its name."""
+    """Kind of the bifurcation."""
     value: Estimate
-    """The number, with its error."""
+    """Parameter at the bifurcation, with its error."""
     stop: int
     """The stop that is grazed; -1 where none is."""
     after: str
-    """What the branch does at a graze."""
+    """Continuation of the branch at a graze."""
 
 
 def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
-    """Those of the first branch, in the sequence in which it comes to them."""
+    """Bifurcations of the first branch, in sequence along it."""
     names = found["bifurcation_kind"].attrs["flag_meanings"].split()
     result = []
     for i in np.flatnonzero(found["bifurcation_branch"].values == 0).tolist():
@@ -51,7 +52,15 @@ def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
 
 
 def sure(label: str, solver: str, found: Sequence[Found]) -> Iterator[Criterion]:
-    """How surely each is known: more surely than none, and no less than the solver's resolution gives."""
+    """Stated errors of bifurcations: above zero, and no larger than the solver's resolution gives."""
     for i, one in enumerate(found):
         error = one.value.uncertainty / one.value.value
         yield Criterion(f"{label} {i + 1}, error over value: {solver}", "1", error, 1e-16, CLOSELY[solver], "resolved")
+
+
+def to_rigid(soft: Estimate, stiff: Estimate, stiffness: float) -> Estimate:
+    """A number of the rigid bar from two beams, of bending stiffness `stiffness`, N m2, and `RATIO` times as stiff."""
+    change = stiff.value - soft.value
+    errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
+    how = f"beams {stiffness:g} and {RATIO * stiffness:g} N m2 stiff, taken to the limit"
+    return Estimate(stiff.value + change / (RATIO - 1), CURVED * abs(change) + errors, how)

@@ -1,16 +1,17 @@
 """Branches and basins: grazes, folds and flips by both solvers, against closed forms, other codes and plain marches.
 
-A cantilever that comes to its stop goes over a graze, whose amplitude is closed form, and two folds.  A bar against one
-stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1; one that touches its stop once a
+A cantilever that comes to its stop passes a graze, whose amplitude has a closed form, and two folds.  A bar against one
+stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  A bar that touches its stop once a
 period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
-of a fold or a flip, and from every start of a small basin, a plain march must end as it says.  Where a symmetry breaks,
-and where a torus is born, is closed form (`branch_births`); what is on no branch must be told (`branch_ends`).
+of a fold or a flip, and from every start of a small basin, a plain march must end on the motion that the branch or the
+basin states.  `branch_births` has symmetry breaking and tori, `branch_ends` the ends of branches.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from statistics import NormalDist
 from typing import Any
 
@@ -27,8 +28,8 @@ from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, number, table
 from validation.cases.branch_births import over_births
 from validation.cases.branch_ends import over_ends
-from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure
-from validation.cases.rigid_bar import CURVED, DOUBLED, RATIO, SOFT
+from validation.cases.branch_found import AMPLITUDE, BARS, Found, bifurcations, sure, to_rigid
+from validation.cases.rigid_bar import DOUBLED, RATIO, SOFT
 from validation.references.bilinear_map import BilinearMap, Piece
 from validation.references.rigid_bar import RigidBar
 from validation.references.rigid_bar_orbits import multipliers, periodic
@@ -186,7 +187,7 @@ def by_the_other(data: xr.Dataset) -> Iterator[Criterion]:
 
 
 def stabilities(data: xr.Dataset, solver: str) -> Iterator[Criterion]:
-    """Motions are stable but for those between the folds; contacts begin at the graze, and all points are periodic."""
+    """Motions are stable except between the folds; contacts begin at the graze, and all points are periodic."""
     mine = data["branch"].values == 0
     impulse, number = data["impulse"].values[mine, 0], np.arange(mine.sum())
     _, up, down = data["bifurcation_point"].values[data["bifurcation_branch"].values == 0].tolist()
@@ -209,7 +210,7 @@ def beside_graze(data: xr.Dataset, graze: float, solver: str) -> Iterator[Criter
 
 
 def last_point(data: xr.Dataset, solver: Any, name: str) -> Iterator[Check]:
-    """Impulse and largest force at the end of the range, against the steady state to which a march from rest comes."""
+    """Impulse and largest force at the end of the range, against the steady state of a march from rest."""
     steady = solver.steady_state(cantilever(AMPLITUDES[1]), sensitivity=False, errors=False)
     marched = {
         "impulse": ("N s", float(steady.impulses[0])),
@@ -222,7 +223,7 @@ def last_point(data: xr.Dataset, solver: Any, name: str) -> Iterator[Check]:
 
 
 def beside_folds(solver: Any, up: float, down: float, name: str) -> Iterator[Criterion]:
-    """A plain march up over the one fold and back over the other, from where it has come to in each step."""
+    """A plain march up over one fold and back over the other, each step from the end of the step before."""
     end = None
     for amplitude in np.linspace(AMPLITUDES[0], (1 - BESIDE) * up, APPROACH)[:-1]:
         _, end = settled(solver, cantilever(float(amplitude)), end)
@@ -240,7 +241,7 @@ def beside_folds(solver: Any, up: float, down: float, name: str) -> Iterator[Cri
 
 
 def settled(solver: Any, problem: Problem, start: SectionPoint | None) -> tuple[float, SectionPoint]:
-    """Impulse of the first stop in a period, N s, after a long march, and where that ends."""
+    """Impulse of the first stop in a period after a long march, N s, and the section point at its end."""
     map_ = solver.period_map(problem)
     end = map_.march(map_.initial() if start is None else map_.adopted(start), 2 * MARCHED).end
     return float(map_.march(end, 2).impulses[0]), end
@@ -258,7 +259,7 @@ def rigid_flip() -> float:
 
 
 def over_flips(say: Say) -> Iterator[Check | Criterion]:
-    """The bar over the frequency, at two bending stiffnesses, against the rigid one; both solvers at one of them."""
+    """The bar over the frequency at two bending stiffnesses, against the rigid bar; both solvers at one stiffness."""
     own: dict[str, list[Found]] = {}
     by_stiffness = []
     for solver, (options, made) in BARS.items():
@@ -272,22 +273,20 @@ def over_flips(say: Say) -> Iterator[Check | Criterion]:
             if not there:
                 return
             if solver == "analytic":
-                by_stiffness.append(found[0].value.value)
+                by_stiffness.append(replace(found[0].value, uncertainty=0.0))
             if factor == 1.0:
                 own[solver] = found
                 yield from beside_flip(made, problem, found[0].value.value, solver)
                 yield from sure("bar, bifurcation", solver, found)
     one, other = (found[0].value for found in own.values())
     yield Check("bar, flip: both solvers", "rad/s", one, other)
-    change = by_stiffness[1] - by_stiffness[0]
-    how = f"beams {SOFT:g} and {RATIO * SOFT:g} N m2 stiff, taken to the limit"
-    a = Estimate(by_stiffness[1] + change / (RATIO - 1), CURVED * abs(change), how)
+    a = to_rigid(by_stiffness[0], by_stiffness[1], SOFT)
     b = Estimate(rigid_flip(), CROSSED, "multiplier of the rigid bar, by numpy alone", Kind.ANALYTICAL)
     yield Check("bar, flip: analytic, against the rigid bar", "rad/s", a, b)
 
 
 def closed_folds() -> list[float]:
-    """Where the amplitude of the rigid bar is extreme over the duration of its contact, m, the smaller one first."""
+    """Amplitudes, m, ascending, at which the amplitude of the rigid bar is extreme over the duration of its contact."""
     mass, free = BAR["mass"] * BAR["length"] / 3, BAR["torsional"] / BAR["length"] ** 2
     lever = BAR["place"] / BAR["length"]
     both = free + BAR["stop"] * lever**2
@@ -320,16 +319,13 @@ def over_contacts(say: Say) -> Iterator[Check | Criterion]:
         yield Check(f"bar of one contact, fold {i + 1}: both solvers", "m", one, other)
     limits = zip(folds["analytic", 1.0], folds["analytic", RATIO], exact, strict=True)
     for i, (soft, stiff, value) in enumerate(limits):
-        change = stiff.value - soft.value
-        errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
-        how = f"beams {SOFT:g} and {RATIO * SOFT:g} N m2 stiff, taken to the limit"
-        a = Estimate(stiff.value + change / (RATIO - 1), CURVED * abs(change) + errors, how)
+        a = to_rigid(soft, stiff, SOFT)
         b = Estimate(value, 0.0, "amplitude as a function of the duration of contact", Kind.ANALYTICAL)
         yield Check(f"bar of one contact, fold {i + 1}: analytic, against the bilinear oscillator", "m", a, b)
 
 
 def beside_flip(solver: Any, problem: Problem, flip: float, name: str) -> Iterator[Criterion]:
-    """A plain march down over the flip: above it every other period repeats, below it each does."""
+    """A plain march down over the flip: the motion has two periods above it, and one below."""
     assert isinstance(problem.base_motion, BaseMotion)
     end = None
     for where, omega, multiple in (("far above", DOUBLE, 2), ("above", 1 + BESIDE, 2), ("below", 1 - BESIDE, 1)):
@@ -345,7 +341,7 @@ def beside_flip(solver: Any, problem: Problem, flip: float, name: str) -> Iterat
 
 
 def basin(say: Say) -> Iterator[Check | Criterion]:
-    """Who ends where, from a grid of starts, against a long march from each."""
+    """The motion in which each start of a grid ends, against a long march from each start."""
     say("basins")
     problem, solver = from_toml(BASIN), BARS["analytic"][1]
     found = basins(
@@ -376,14 +372,14 @@ def basin(say: Say) -> Iterator[Check | Criterion]:
 
 
 def wilson(share: float, count: int) -> tuple[float, float]:
-    """Wilson's interval at 95 %: the shares p of which `share` is just 1.96 standard deviations away."""
+    """Wilson's interval at 95 %: the shares p whose distance from `share` is 1.96 standard deviations."""
     z2 = NormalDist().inv_cdf(0.975) ** 2 / count
     low, high = sorted(np.roots([1 + z2, -2 * share - z2, share**2]).real.tolist())
     return low, high
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Grazes, folds, flips, basins, births and ends of branches."""
     items = [*over_folds(say), *over_flips(say), *over_contacts(say), *over_births(say), *over_ends(say), *basin(say)]
     checks = tuple(item for item in items if isinstance(item, Check))
     rows = [(c.name, c.unit, number(c.a.value, 10), number(c.b.value, 10), number(c.allowed, 2)) for c in checks]

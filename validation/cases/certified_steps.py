@@ -1,10 +1,10 @@
 """Are the steps of the analytic march as long as its bound allows, and never longer?
 
-Between two switches the march takes steps within which no stop can switch: up to just below the first root of
-h + h' t + h'' t^2 / 2 + B t^3 / 6, where B bounds the third derivative.  Longer steps would pass over contacts, shorter
-ones would show in the time that a march takes only.  Here cubics are drawn at random, many of which all but touch zero
-before they rise through it, and each step is compared with the roots that numpy finds.  What makes the cubic, sums over
-modes and harmonics, and what moves them on, is compared with the exponentials of numpy.
+Between two switches the march takes steps within which no stop can switch: up to just below the first root of h + h' t
++ h'' t^2 / 2 + B t^3 / 6, where B bounds the third derivative.  Longer steps would miss contacts; shorter steps would
+show in the run time alone.  Random cubics, many of which all but touch zero before they rise through it, are compared
+step by step with numpy's roots.  The sums over modes and harmonics that make the cubic, and their propagation, are
+compared with numpy's exponentials.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ SHORTLY = 1e-3  # Time, s, after which a gap function is to be above zero; half 
 
 
 def cubics() -> FloatArray:
-    """Coefficients h, h', h'', B at random, h below zero and B above, shape ``(CUBICS, 4)``; half of them touch."""
+    """Random coefficients h, h', h'', B, shape (CUBICS, 4), with h below zero and B above; half of the cubics touch
+    zero."""
     rng = np.random.default_rng(17)
     h = -(10.0 ** rng.uniform(-6, 1, CUBICS))
     found = np.stack([h, rng.standard_normal(CUBICS), 3 * rng.standard_normal(CUBICS), rng.uniform(0.1, 5, CUBICS)], 1)
@@ -91,7 +92,7 @@ def steps(drawn: FloatArray) -> Iterator[Criterion]:
 
 
 def crossings(drawn: FloatArray) -> Iterator[Criterion]:
-    """Whether a gap function is sure to be above zero, against the cubic of the opposite bound."""
+    """Whether a gap function is certain to be above zero, against the cubic with the opposite bound."""
     right, above = 0, 0
     for one in drawn:
         t = 0.5 * first_root(one)
@@ -104,7 +105,7 @@ def crossings(drawn: FloatArray) -> Iterator[Criterion]:
 
 
 def sums() -> Iterator[Criterion]:
-    """Displacement, two derivatives and the bound on the third, of terms and harmonics drawn at random."""
+    """Displacement, two derivatives and the bound on the third, of random terms and harmonics."""
     rng = np.random.default_rng(23)
     weight, omega, s = rng.standard_normal(TERMS), rng.uniform(1, 9, HARMONICS), 0.7
     root = -rng.uniform(0, 5, TERMS) + 1j * rng.uniform(0, 9, TERMS)

@@ -13,7 +13,7 @@ from lapjoint.figures.style import entitle
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say
 from validation.ledger.curves import TIP_BOTTOM, TIP_TOP, Figure4, figure_4
-from validation.ledger.entry import Entry, claims, counted, ledger_table
+from validation.ledger.entry import TIP, Entry, claims, counted, ledger_table
 from validation.ledger.modal import modal_entries
 from validation.ledger.numerics import numerical_entries
 from validation.ledger.peak_claims import peak_entries
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PORTRAITS = (1398.5, 2060.5, 2160.5)  # Frequencies, rad/s, at which the ruling depends on the shape of the motion
-TIP = 2.5  # Position of the tip, m from the root
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -101,30 +100,13 @@ def _paint_phase(axes: Axes, omega: float) -> None:
 def _paint(axes: Axes, curves: Figure4) -> None:
     for stop, label in ((TIP_BOTTOM, "P2"), (TIP_TOP, "P4")):
         first = stop == TIP_BOTTOM
-        axes.plot(
-            curves.published.omega,
-            curves.published.impulse[:, stop] / 1e4,
-            "-",
-            color=COLOURS["paper"],
-            lw=0.7,
-            label="scheme as published, 8 and 5 modes" if first else None,
-        )
-        axes.plot(
-            curves.converged.omega,
-            curves.converged.impulse[:, stop] / 1e4,
-            "-",
-            color=COLOURS["analytic"],
-            lw=1.3,
-            label="converged, analytic" if first else None,
-        )
-        axes.plot(
-            curves.fe.omega,
-            curves.fe.impulse[:, stop] / 1e4,
-            ".",
-            color=COLOURS["fe"],
-            ms=3.5,
-            label="converged, finite elements" if first else None,
-        )
+        for curve, colour, style, width, name in (
+            (curves.published, "paper", "-", 0.7, "scheme as published, 8 and 5 modes"),
+            (curves.converged, "analytic", "-", 1.3, "converged, analytic"),
+            (curves.fe, "fe", ".", 1.3, "converged, finite elements"),
+        ):
+            impulse, shown = curve.impulse[:, stop] / 1e4, name if first else None
+            axes.plot(curve.omega, impulse, style, color=COLOURS[colour], lw=width, ms=3.5, label=shown)
         axes.annotate(label, (4990, 0.75 if stop == TIP_TOP else -0.85), ha="right")
     axes.axhline(1.5, color="0.6", lw=0.6, ls=":")
     axes.axhline(-1.5, color="0.6", lw=0.6, ls=":", label="axis of Figure 4")

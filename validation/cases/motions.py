@@ -33,13 +33,13 @@ def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
 
 
 def refined_by(solver: Solver) -> Refined:
-    """What a solver refines: its modes, its mesh, or, of a peer, whatever it has."""
+    """The refinement of a solver: its modes, its mesh, or, for a peer, its own."""
     by_kind = {analytic.Solver: ErrorSource.MODES, fe_lapjoint.Solver: ErrorSource.MESH}
     return Refined(by_kind.get(type(solver), ErrorSource.REFINEMENT), solver.name)
 
 
 def longest_period(problem: Problem) -> float:
-    """The excitation period, or without one that of the slowest elastic mode of the free beam, s."""
+    """The excitation period, s; without excitation, the period of the slowest elastic mode of the free beam."""
     if problem.excitation_frequency is not None:
         return 2 * math.pi / problem.excitation_frequency
     found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies  # two of them can be rigid, at zero
@@ -75,7 +75,8 @@ def contact_estimates(
 
 
 def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
-    """The error that a solution states of itself, or 0; of a rebound the larger one of the impacts on either side."""
+    """The error that a solution states of itself, or 0; for a rebound, the larger of the errors of the two impacts
+    around it."""
     if field == "impulse":
         return contacts[j].impulse_error or 0.0
     impacts = contacts[j : j + 2] if field == "end" else contacts[j : j + 1]
@@ -83,7 +84,7 @@ def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
 
 
 def _carried(estimates: Sequence[Estimate]) -> Estimate:
-    """The last of some numbers of a motion, with the largest of their uncertainties."""
+    """The last of several estimates of a motion, with the largest of their uncertainties."""
     last, worst = estimates[-1], max(estimates, key=lambda estimate: estimate.uncertainty)
     if worst.uncertainty == last.uncertainty:
         return last

@@ -58,7 +58,7 @@ def contact_numbers(history: History) -> list[float]:
 
 
 def exact_contacts(limit: Bilinear) -> list[tuple[str, str, float]]:
-    """The same in closed form, with name and unit."""
+    """Start, end, impulse and peak force of the first contacts in closed form, with name and unit."""
     numbers = []
     for i, piece in enumerate(limit.contacts(CONTACTS)):
         label = f"contact {i + 1}"
@@ -82,7 +82,7 @@ def period_numbers(history: History) -> list[float]:
 
 
 def exact_period(limit: Bilinear) -> list[tuple[str, str, float]]:
-    """The same in closed form."""
+    """Frequency and harmonics in closed form, with name and unit."""
     omega = classical_frequency(limit.omega_1, limit.omega_2)
     return [("frequency", "rad/s", omega), *((f"harmonic {n}", "m", limit.harmonic(n)) for n in HARMONICS)]
 

@@ -1,10 +1,10 @@
-"""Is what the search knows of an orbit true of the motion?
+"""Are the search's statements about an orbit true of the motion?
 
-A march counts as bound for an orbit by four things: the derivative of the period map, the orbit's distances from its
-stops, what deviations do there, and a rule that compares them for all time to come.  Both solvers are searched by one
-code, so neither shows a mistake in it.  Here each of the four is derived again: the derivative, and what deviations do,
-from marches that begin a little beside the orbit; distances and rates from the motion itself; the rule from its
-statement in `lapjoint.orbits.approach`, deviation by deviation.
+Four things decide that a march is bound for an orbit: the derivative of the period map, the orbit's distances from its
+stops, the deviations there, and a rule that compares deviations and distances for all time to come.  One code searches
+for both solvers, so neither shows a mistake in it.  Each of the four is derived again here.  Marches that begin a
+little beside the orbit give the derivative and the deviations.  The motion itself gives distances and rates.  The rule
+is taken from its statement in `lapjoint.orbits.approach`, deviation by deviation.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ OVER = 1.1
 
 @dataclass(frozen=True)
 class Known:
-    """An orbit, and the map that it was found by."""
+    """An orbit, and the period map by which it was found."""
 
     label: str
     solver: Solver
@@ -107,7 +107,7 @@ class Known:
 
     @property
     def length(self) -> float:
-        """Of the orbit, s."""
+        """Length of the orbit, s."""
         return self.orbit.half_periods * self.half_periods.map.period / 2
 
     @property
@@ -122,29 +122,29 @@ class Known:
 
     @cached_property
     def deviation(self) -> FloatArray:
-        """A deviation at random, as long as the orbit's section point."""
+        """A random deviation of the length of the orbit's section point."""
         map_ = self.half_periods.map
         found = np.random.default_rng(5).standard_normal(self.orbit.last.matrix[0].shape)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
 
     @cached_property
     def transient(self) -> FloatArray:
-        """The deviation of a march from rest after some periods, made as long as the orbit's section point."""
+        """The deviation of a march from rest after some periods, scaled to the length of the orbit's section point."""
         map_ = self.half_periods.map
         found = map_.difference(map_.march(map_.initial(), 2 * PERIODS).end, self.orbit.point)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
 
     def beside(self, deviation: FloatArray) -> SectionPoint:
-        """The section point beside the orbit's."""
+        """The section point of the orbit, displaced by a deviation."""
         return self.half_periods.map.moved(self.orbit.point, deviation)
 
     def neighbour(self, deviation: FloatArray, periods: int) -> History:
-        """The motion from there."""
+        """The motion from the displaced section point over some periods."""
         return self.half_periods.map.history(self.beside(deviation), periods)
 
 
 def known(label: str, problem: Problem, solver: Solver) -> Known | None:
-    """The orbit that a march from rest ends on; None if that is no fixed point of the solver's map."""
+    """The orbit on which a march from rest ends; None if it is no fixed point of the solver's map."""
     steady = solver.steady_state(problem, sensitivity=False, errors=False)
     half_periods = HalfPeriods(solver.period_map(problem))
     mirrors = steady.symmetric and half_periods.twins is not None
@@ -165,14 +165,15 @@ def speed(history: History, stop: int, t: FloatArray) -> FloatArray:
 
 
 def nearest(history: History, stop: int, time: float) -> float:
-    """The switch of a stop in a motion that is the nearest to a time from its start, s; infinite without one."""
+    """The time of a stop's switch nearest to a time, both in s from the start of the motion; infinite without
+    switches."""
     own = [contact for contact in history.contacts if contact.stop == stop]
     times = [c.start for c in own if not c.open_start] + [c.end for c in own if not c.open_end]
     return min((t - history.start for t in times), key=lambda t: abs(t - time), default=math.inf)
 
 
 def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: str) -> Iterator[Check]:
-    """Numbers of one kind that the search has, and the same from elsewhere, to a share of the largest."""
+    """Numbers of one kind by the search, and from elsewhere, to a share of the largest number."""
     found, reference = pair
     u = share * float(np.abs(reference).max(initial=0.0))
     for i, (one, other) in enumerate(zip(found, reference, strict=True)):
@@ -181,7 +182,7 @@ def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: st
 
 
 def derivative(it: Known) -> Iterator[Check | Criterion]:
-    """The solver's own derivative against that by finite differences, which solvers without one are given."""
+    """The solver's own derivative against finite differences, which solvers without a derivative are given."""
     map_, count, how = it.half_periods.map, it.orbit.half_periods, "by finite differences"
     plain = FiniteDifferences(map_)
     own, other = it.half_periods.tangent.linearised(it.orbit.point, count), plain.linearised(it.orbit.point, count)
@@ -225,7 +226,8 @@ def farthest_from_stops(it: Known, intervals: Intervals) -> FloatArray:
 
 
 def switches(it: Known) -> Iterator[Check]:
-    """Times, rates, curvatures and spacings of switches, and what a deviation does there, against the motion itself."""
+    """Times, rates, curvatures and spacings of switches, and the effect of a deviation there, against the motion
+    itself."""
     watch, how = it.orbit.watch, "of the motion"
     found, h = watch.switches, it.history
     exact = np.array([nearest(h, k, t) for k, t in zip(found.stop, found.time, strict=True)])
@@ -292,7 +294,7 @@ def distances(it: Known) -> Iterator[Criterion]:
 
 
 def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion]:
-    """What part of the whole is reached in all intervals: none of more than all, and nearly all of most."""
+    """Share of the whole that the part reaches in all intervals: never above one, and close to one in most."""
     shares = (part / whole)[whole > 1e-6 * whole.max()]
     reason = "a bound, reached where the motion hardly bends"
     yield Criterion(f"{name}, largest", "1", float(shares.max()), 1 - CHORD, 1 + EXACT, reason)
@@ -302,7 +304,8 @@ def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion
 
 
 def out_of_reach(it: Known) -> Iterator[Criterion]:
-    """Where nothing switches: the orbit's distances, and what the rule allows against what touches a stop."""
+    """Distances of an orbit without switches, and the limit of the rule against the first deviation that touches a
+    stop."""
     t = np.linspace(0.0, it.length, 4001)
     for k in it.stops:
         true = float(np.abs(gap(it.history, k, t)).min())
@@ -321,7 +324,8 @@ def out_of_reach(it: Known) -> Iterator[Criterion]:
 
 
 def chords() -> Iterator[Criterion]:
-    """What chords of terms miss, against the terms themselves, in every interval of two segments and at two places."""
+    """Errors of chords of terms, against the terms themselves, in every interval of two segments and at two
+    positions."""
     rng = np.random.default_rng(3)
     segment, tau = np.repeat([0, 1], len(CUTS)), np.tile(CUTS, 2)
     rates = np.stack([DECAYING, DECAYING[::-1]])
@@ -345,7 +349,7 @@ def chords() -> Iterator[Criterion]:
 
 
 def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
-    """Whether deviations meet the rule, as it is stated."""
+    """Whether deviations meet the rule, as it is stated, term by term."""
     watch = it.orbit.watch
     found, intervals = watch.switches, watch.intervals
     if not found.time.size:
@@ -361,7 +365,7 @@ def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
 
 
 def waits(it: Known, size: float) -> int:
-    """Periods of the orbit after which a deviation, of some size over the orbit's, meets the rule for good."""
+    """Periods of the orbit after which a deviation, of a size relative to the orbit's, meets the rule for good."""
     column, columns = size * it.deviation, []
     for _ in range(LOOKED_AT):
         columns.append(column)
@@ -371,7 +375,7 @@ def waits(it: Known, size: float) -> int:
 
 
 def allowed(fails: Callable[[float], int]) -> float:
-    """The largest size for which the rule need not wait, by halving the ratio of what is allowed and what is not."""
+    """The largest size for which the rule need not wait, by bisection of the ratio of allowed and rejected sizes."""
     low, high = SMALLEST, LARGEST
     for _ in range(HALVINGS):
         middle = math.sqrt(low * high)
@@ -380,7 +384,8 @@ def allowed(fails: Callable[[float], int]) -> float:
 
 
 def rule(it: Known) -> Iterator[Check | Criterion]:
-    """What the search says of deviations of several sizes, against the rule as it is stated, and against a march."""
+    """Statements of the search on deviations of several sizes, against the rule as it is stated, and against a
+    march."""
 
     def fails(size: float) -> int:
         return it.orbit.forecast(size * it.deviation, LOOKED_AT).fails
@@ -404,7 +409,7 @@ def rule(it: Known) -> Iterator[Check | Criterion]:
 
 
 def wanders(it: Known) -> Iterator[Criterion]:
-    """How far a march from rest is from repeating, against the definition, term by term."""
+    """The distance of a march from rest to repetition, against its definition, term by term."""
     map_ = it.half_periods.map
     points = [map_.initial()]
     for _ in range(WANDERED):
@@ -424,7 +429,7 @@ def wanders(it: Known) -> Iterator[Criterion]:
 
 
 def few_modes() -> Iterator[Criterion]:
-    """The derivative of a march with few modes, whole and one deviation of it, where much is left out at switches."""
+    """The derivative of a march with few modes, whole and for one deviation, where truncation at switches is large."""
     told, whole, growth = 0, 0.0, 0.0
     for ratio, omega in FEW:
         it = known("few modes", paper_joint(angular_frequency=omega, damping_ratio=ratio), MODAL)
@@ -447,7 +452,7 @@ def few_modes() -> Iterator[Criterion]:
 
 
 def damping_rates() -> Iterator[Check]:
-    """The lowest damping rate of modes that are damped, by which the search knows how long a transient may last."""
+    """The lowest damping rate of damped modes, from which the search knows how long a transient may last."""
     ratios = ModalDamping(ratio=RATIOS)
     for solver in (MODAL, fe_lapjoint.Solver(elements=16)):
         found = solver.period_map(JOINTS["uneven"].replace(damping=ratios)).lowest_damping_rate
@@ -462,7 +467,7 @@ def damping_rates() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All orbits."""
+    """All orbits, the chords, and the marches with few modes."""
     items: list[Check | Criterion] = [*damping_rates(), *chords(), *few_modes()]
     for label, problem, solver in ORBITS:
         it = known(label, problem, solver)

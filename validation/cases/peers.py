@@ -42,7 +42,7 @@ ELASTIC_FLOOR, RIGID_FLOOR = 1e-8, 1e-4
 mode of the whole mesh, and the zeros of rigid-body modes show the root of this error."""
 
 Levels = dict[str, tuple[list[Solver], float, float]]
-"""By name: three solvers from coarse to fine, the ratio of refinement, and the order."""
+"""By name of the solver: three solvers from coarse to fine, the ratio of refinement, and the order."""
 
 
 def damped_joint() -> Problem:
@@ -123,7 +123,7 @@ def first_contacts(
 
 
 def duration_of(problem: Problem) -> float:
-    """Until the last contact looked at ends, at most some periods of the excitation or the slowest motion, s."""
+    """End of the last contact compared, at most some periods of the excitation or the slowest motion, s."""
     longest = PERIODS * longest_period(problem)
     contacts = complete(analytic.Solver().simulate(problem, longest, errors=False), CONTACTS)
     return min(longest, MARGIN * max(c.end for c in contacts)) if len(contacts) == CONTACTS else longest

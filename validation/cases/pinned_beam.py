@@ -13,6 +13,7 @@ import fe_lapjoint
 from lapjoint import History
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
+from validation.references.panels import gauss_panels
 from validation.references.pinned_beam import PinnedBeam
 from validation.uncertainty import elements, refined_vector
 from validation.verdict import Check, Estimate, Kind
@@ -133,7 +134,7 @@ def found(history: History, x: float, t: float) -> tuple[float, ...]:
 
 
 def exact(beam: PinnedBeam, x: float, t: float) -> tuple[float, ...]:
-    """The same by the sum."""
+    """Displacement, velocity, slope, moment and shear force by the sum over the sines."""
     z = (beam.evaluate(x, t), beam.evaluate(x, t, dt=1), beam.evaluate(x, t, dx=1))
     return (*z, beam.moment(x, t), beam.shear(x, t))
 
@@ -173,10 +174,7 @@ def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
     gone = t if decay == 0 else (1 - math.exp(-2 * decay * t)) / (2 * decay)
     centre = force / (m * L) * one + (now - begin).imag - leave * gone
     turn = force * (at - L / 2) / (m * L**3 / 12) * one
-    x, weights = np.polynomial.legendre.leggauss(12)
-    edges = np.linspace(0.0, L, 41)
-    half = np.diff(edges)[:, None] / 2
-    places, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * weights).ravel()
+    places, weights = gauss_panels(np.linspace(0.0, L, 41), 12)
     for solver in (analytic.Solver(n_modes=MODES), fe_lapjoint.Solver(elements=MESHES[0])):
         z = solver.simulate(problem, DURATION, errors=False).displacement(places, t)[:, 0]
         for name, unit, value_found, reference in (
@@ -189,12 +187,9 @@ def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
 
 
 def rates() -> Iterator[Check]:
-    """Velocity and acceleration against what they integrate to, with so few modes that the residual counts."""
+    """Velocity and acceleration against their integrals, with few enough modes that the residual counts."""
     problem = from_toml(LOADED)
-    x, w = np.polynomial.legendre.leggauss(20)
-    edges = np.linspace(*TIMES, 201)
-    half = np.diff(edges)[:, None] / 2
-    t, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    t, weights = gauss_panels(np.linspace(*TIMES, 201), 20)
     for solver in (analytic.Solver(n_modes=FEW), fe_lapjoint.Solver(elements=MESHES[0])):
         history = solver.simulate(problem, DURATION, errors=False)
         for name, unit, order in (("velocity", "m", 1), ("acceleration", "m/s", 2)):
@@ -207,7 +202,7 @@ def rates() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """Both beams."""
+    """Three beams on two pins, and a free beam under two kinds of damping."""
     checks = []
     for label, text in BEAMS.items():
         say(label)

@@ -38,14 +38,14 @@ class Quantity:
     name: str
     unit: str
     variable: str
-    """In the dataset of statistics."""
+    """Name in the dataset of statistics."""
     x: float
     """m."""
     exact: float
 
 
 def quantities() -> list[Quantity]:
-    """All of them, by the closed form."""
+    """All root mean squares by the closed form."""
     L, band = BEAM.length, (LOW, HIGH, DENSITY)
     found = []
     for x, where in ((L, "the tip"), (L / 2, "mid-span")):

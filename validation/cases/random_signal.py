@@ -1,8 +1,8 @@
-"""Random excitation as a signal: its spectrum, its integrals over time, and that nothing in it comes twice.
+"""Random excitation as a signal: its spectrum, its integrals over time, and the independence of its parts.
 
-Long stretches of an acceleration of the base and of two forces, all with one seed, are looked at as a laboratory would:
-by root mean squares, by the power in bands, by what lies outside of the band, and by correlations.  A Gaussian signal
-of density S that is watched for a time T has a mean square of relative standard error
+Long stretches of an acceleration of the base and of two forces, all with one seed, are analysed as in a laboratory: by
+root mean squares, by the power in bands and outside of them, and by correlations.  The mean square of a Gaussian signal
+of density S over a time T has the relative standard error
 
     sqrt(integral of S^2 df / T) / integral of S df.
 """
@@ -72,7 +72,7 @@ def density(measured: str) -> LogLogDensity:
 
 
 def mean_square(knots: FloatArray) -> float:
-    """Of a signal that is linear between samples, shape ``(n,)``."""
+    """Mean square of a signal that is linear between samples, shape (n,)."""
     a, b = knots[:-1], knots[1:]
     return float(np.mean(a * a + a * b + b * b) / 3)
 
@@ -93,7 +93,7 @@ def levels(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
 
 
 def bands(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
-    """The same of the acceleration in bands, with the density that straight lines between samples give."""
+    """Root mean squares of the acceleration in bands, with the density that straight lines between samples give."""
     a, f = base().at(t, 2), np.asarray(np.fft.rfftfreq(t.size, 1 / RATE), dtype=float)
     found = np.abs(np.fft.rfft(a)) ** 2 * (2 / t.size**2) * np.sinc(f / RATE) ** 4
     wanted = density("acceleration").at(f) * (RATE / t.size)
@@ -132,7 +132,7 @@ def outside(t: FloatArray) -> Criterion:
 
 
 def correlations(t: FloatArray) -> Iterator[Criterion]:
-    """The largest correlation, at any lag, of signals that must know nothing of each other, in standard deviations."""
+    """The largest correlation, at any lag, of signals that must be independent, in standard deviations."""
     one, of = base().at(t, 2), density("acceleration")
     others = {
         "base and base, more than 5 s apart": one,
@@ -179,7 +179,7 @@ def edges() -> Iterator[Criterion]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Levels, bands, integrals, leakage, correlations and edges of blocks."""
     t = np.arange(SAMPLES[level]) / RATE
     say(f"{t[-1]:.0f} s of a signal")
     found = [*levels(t), *bands(t)]

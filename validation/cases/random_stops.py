@@ -1,11 +1,10 @@
 """One degree of freedom between elastic stops under white noise: density and crossings against the Gibbs density.
 
-The mass is a bar on a pin that hardly bends, its spring a torsional one.  Of its tip u, with m L^3 / 3 = I,
+The mass is a bar on a pin that hardly bends, with a torsional spring.  With m L^3 / 3 = I, its tip u obeys
 
     u'' + (C / m) u' + (kt / I) u + (forces of stops) L^2 / I = -(3/2) a.
 
-Stops of no account, a millionth of a millionth as stiff as the spring, count how often u crosses their gaps, and for
-how long it is beyond.
+Further stops, 1e-12 times as stiff as the spring, count how often u crosses their gaps, and for how long it is beyond.
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from lapjoint import Beam, Problem, RandomBaseMotion, Stop, Support, ViscousDamp
 from lapjoint.errors import ExcitationWarning
 from validation.case import CaseResult, Level, Say, number, table
 from validation.references.gibbs import Gibbs
+from validation.references.panels import gauss_panels
 from validation.statistics_estimates import estimate_of, joint_factor
 from validation.verdict import Check, Criterion, Estimate, Kind
 
@@ -65,12 +65,10 @@ def bar(band: tuple[float, float]) -> Problem:
 
 
 def bias(band: tuple[float, float]) -> tuple[float, float]:
-    """What a band (Hz) leaves out of the root mean squares of u and u', relative to white noise, measured on the
-    oscillator without stops."""
-    x, w = np.polynomial.legendre.leggauss(40)
+    """Error of the root mean squares of u and u' in a band (Hz), relative to white noise, for the oscillator without
+    stops."""
     edges = 2 * math.pi * np.concatenate([np.linspace(band[0], 10.0, 60), np.geomspace(10.0, band[1], 30)[1:]])
-    half = np.diff(edges)[:, None] / 2
-    omega, weight = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    omega, weight = gauss_panels(edges, 40)
     it = OSCILLATOR
     square = 2 * it.density / ((it.omega**2 - omega**2) ** 2 + (it.gamma * omega) ** 2)
     displacement, speed = math.sqrt(weight @ square), math.sqrt(weight @ (omega**2 * square))

@@ -1,9 +1,9 @@
-"""Recorded base motion and forces: what lies between samples, and what both solvers make of it.
+"""Recorded base motion and forces: the interpolation between samples, and its motions by both solvers.
 
-Between samples an acceleration and a force are linear, a velocity is a quadratic spline and a displacement a cubic one.
-Both solvers read the same knots, so a mistake in them would be in both.  Here the witness of the case `pinned-beam`
-reads the samples itself and adds up one ramp a knot; sines are recorded, and compared with their closed form; and the
-motion of the base is integrated again.
+Between samples an acceleration and a force are linear, a velocity is a quadratic spline and a displacement a cubic
+spline.  Both solvers read the same knots, so a mistake in the knots would be in both.  The witness of the case
+`pinned-beam` reads the samples itself and adds up one ramp a knot.  Recorded sines are compared with their closed form,
+and the motion of the base is integrated again.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from lapjoint.problem import FloatArray, RecordBaseMotion, RecordLoad
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.pinned_beam import LOADED, exact, found
+from validation.references.panels import gauss_panels
 from validation.references.pinned_beam import PinnedBeam, accelerations
 from validation.verdict import Check, Criterion, Estimate, Kind
 
@@ -36,8 +37,6 @@ SINE, AMPLITUDE, SAMPLES = 170.0, 1.5e-3, 61  # Frequency, rad/s, amplitude, m, 
 BY_SAMPLING = 1 / 12  # Mean distance of a linear interpolant inside its sine, over the motion, in units of (omega h)^2
 NEARLY = 0.3
 """Relative change of that distance by the ends of the record, the start from rest, and other waves of the beam."""
-GAUSS = np.polynomial.legendre.leggauss(2)
-"""Gauss points and weights, exact for degree 3: the integrands have degree 2 at most."""
 ROUNDED = 1e-9  # Relative rounding of integrals over some hundred knots
 NOISE = 1e-6  # Noise of alternating samples of a velocity, m/s
 GROWN = 8.0
@@ -73,7 +72,7 @@ def shaken() -> str:
 
 
 def recorded(quantity: str) -> str:
-    """The same, on a base of which a sine has been recorded."""
+    """The beam on a base whose recorded motion is a sine."""
     t = np.linspace(0.0, DURATION, SAMPLES)
     order = list(QUANTITIES).index(quantity)
     values = AMPLITUDE * SINE**order * np.sin(SINE * t + order * math.pi / 2)
@@ -138,17 +137,16 @@ def integrals() -> Iterator[Check]:
 
 
 def integral(knots: FloatArray, a: FloatArray, t: float, times: int) -> float:
-    """What is linear between knots, integrated from 0 to t so many times, 0 to 2."""
+    """Integral of order `times`, 0 to 2, from 0 to t of a function that is linear between knots."""
     if times == 0:
         return float(np.interp(t, knots, a))
     edges = np.append(knots[knots < t], t)
-    half = np.diff(edges)[:, None] / 2
-    s = edges[:-1, None] + half + half * GAUSS[0]
-    return float(np.sum(half * GAUSS[1] * (t - s) ** (times - 1) * np.interp(s, knots, a)))
+    s, weights = gauss_panels(edges, 2)  # exact up to degree 3: the integrand has degree 2 at most
+    return float(np.sum(weights * (t - s) ** (times - 1) * np.interp(s, knots, a)))
 
 
 def forgotten() -> Iterator[Criterion]:
-    """Noise of a recorded velocity in the acceleration, which must not be carried on from sample to sample."""
+    """Noise of a recorded velocity in the acceleration, which must not be carried from sample to sample."""
     rate = (SAMPLES - 1) / DURATION
     values = NOISE * (-1.0) ** np.arange(SAMPLES)
     base = RecordBaseMotion(quantity="velocity", values=values, rate=rate)
@@ -158,7 +156,7 @@ def forgotten() -> Iterator[Criterion]:
 
 
 def taken_out() -> Iterator[Criterion]:
-    """Mean and trend that are left of a recorded acceleration, and of a recorded force, when these are taken out."""
+    """Mean and trend left of a recorded acceleration, and of a recorded force, after their removal."""
     rate, x = (SAMPLES - 1) / DURATION, 1.0
     values = noise(7, SAMPLES, 2.0) + np.linspace(3.0, 5.0, SAMPLES)
     knots = np.linspace(0.0, DURATION, SAMPLES)
@@ -194,7 +192,7 @@ def stated(motion: History, i: int, name: str) -> Estimate:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Integrals, noise, trends, motions, sines and contacts under records."""
     items: list[Check | Criterion] = []
     for part in (integrals, forgotten, taken_out, moved, sines, contacts):
         say(part.__name__.replace("_", " "))

@@ -163,20 +163,20 @@ class Quantity:
     name: str
     unit: str
     kind: str
-    """What shares one uncertainty: the numbers of a kind are of one size."""
+    """Kind of the number: numbers of a kind are of one size, and share one uncertainty."""
 
 
 @dataclass(frozen=True)
 class Witnessed:
-    """What the witness says of a bar."""
+    """Motion and steady state of a bar by the witness."""
 
     bar: RigidBar
     motion: BarMotion
-    """From the initial state."""
+    """Motion from the initial state."""
     periodic: BarMotion
     """The steady state, over its own period."""
     multiple: int
-    """Excitation periods of that."""
+    """Excitation periods of the steady state."""
 
 
 def witnessed(text: str) -> Witnessed:
@@ -217,7 +217,7 @@ def quantities(it: Witnessed) -> list[tuple[Quantity, float]]:
 
 
 def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]:
-    """The same numbers by a solver, in the same order; NaN for a contact that is not there."""
+    """The numbers of `quantities` by a solver, in their order; NaN for a contact that is missing."""
     found: list[float] = []
     for i in range(len(it.motion.contacts[:CONTACTS])):
         if i < len(history.contacts):
@@ -234,7 +234,7 @@ def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]
 
 
 def _closings(history: History) -> int:
-    """Number of contacts in one period of the motion, one that the section point cuts counted once."""
+    """Number of contacts in one period of the motion; a contact that the section point cuts counts once."""
     return sum(not contact.open_start for contact in history.contacts)
 
 

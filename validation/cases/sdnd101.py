@@ -1,11 +1,11 @@
 """An outside benchmark: Code_Aster's validation case SDND101 (V5.01.101), one mass against one elastic stop.
 
-The mass is a free beam that hardly bends, over a spring and a stop at its middle: it starts with one velocity all along
-and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
+The mass is a free beam that hardly bends, over a spring and a stop at its middle.  It starts with one velocity all
+along and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
 
-    z = v sin(omega t) / omega,
+    z = v sin(omega t) / omega.
 
-so that the contact lasts pi / omega, the force is k_stop v / omega at most, and its impulse 2 k_stop v / omega^2.
+The contact lasts pi / omega, the largest force is k_stop v / omega, and the impulse is 2 k_stop v / omega^2.
 """
 
 from __future__ import annotations

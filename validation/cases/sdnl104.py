@@ -11,6 +11,7 @@ from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import analytic_levels, fe_levels, refined_by
 from validation.cases.transient import WITNESS_TOLERANCE, motion_drawing
 from validation.invariants import witness
+from validation.references.panels import gauss_panels
 from validation.references.reading import printed
 from validation.uncertainty import refined_estimate
 from validation.verdict import Check, Estimate
@@ -29,10 +30,7 @@ QUANTITIES = {
 def answers(history: History) -> tuple[float, ...]:
     """The four quantities, in the order of QUANTITIES."""
     first = history.contacts[0]
-    x, w = np.polynomial.legendre.leggauss(20)
-    edges = np.linspace(0.0, 1.0, 33)
-    half = np.diff(edges)[:, None] / 2
-    points, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    points, weights = gauss_panels(np.linspace(0.0, 1.0, 33), 20)
     speed = history.velocity(points, AT)[:, 0]
     return first.start, first.end, abs(first.impulse), float(history.problem.beam.m / 2 * (weights @ speed**2))
 

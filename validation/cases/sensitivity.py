@@ -35,7 +35,7 @@ def scaled(problem: Problem, **factors: float) -> Problem:
 
 
 def viscous() -> Problem:
-    """The joint with equation (1) taken literally: C as large as the ratio asks for in the first free mode."""
+    """The joint with equation (1) taken literally: C is as large as the ratio requires in the first free mode."""
     problem = paper_joint()
     omega = float(analytic.Solver().modes(problem, FREE, 1).angular_frequencies[0])
     return problem.replace(damping=ViscousDamping(coefficient=2 * RATIO * omega * problem.beam.m))
@@ -54,7 +54,7 @@ VARIANTS: dict[str, Callable[[], Problem]] = {
 
 @dataclass(frozen=True)
 class Findings:
-    """What the base case shows, in a variant."""
+    """The findings of the base case, in a variant."""
 
     peaks: tuple[tuple[float, float], ...]
     """Frequency, rad/s, and tip impulse, N s, of the three peaks."""
@@ -147,7 +147,7 @@ def shown(it: Findings) -> tuple[str, ...]:
 
 
 def criteria(found: dict[str, Findings], by_fe: Findings | None) -> list[Criterion]:
-    """What has to hold for a finding to be called robust; and the two solvers on the variant that differs most."""
+    """Conditions for a finding to be called robust, and the two solvers on the variant that differs most."""
     base = next(iter(found.values()))
     light = found[LIGHT]
     result = []

@@ -1,8 +1,8 @@
 """Does a march from rest end on the motion that the search certifies?
 
-A search that accepts a motion too early, or one that is unstable, or takes a symmetry for granted that is not there,
-may be wrong in both solvers alike, for they share it.  So each solver is judged by its own march here: by `simulate`,
-which knows neither orbits nor Newton's method, over so many decay times that nothing of the transient is left.
+A search that accepts a motion too early, accepts an unstable motion, or assumes a symmetry that does not exist may be
+wrong in both solvers alike, for they share it.  Each solver is therefore judged by its own march: by `simulate`, which
+knows neither orbits nor Newton's method, over enough decay times that nothing of the transient is left.
 """
 
 from __future__ import annotations
@@ -112,13 +112,13 @@ class End:
 
 
 def decay_time(problem: Problem) -> float:
-    """Of the slowest free vibration, s."""
+    """Decay time of the slowest free vibration, s."""
     assert isinstance(problem.damping, ModalDamping)
     return 1 / (float(problem.damping.ratios(1)[0]) * FIRST)
 
 
 def end_of_march(solver: Solver, problem: Problem) -> End:
-    """March from rest until nothing of the transient is left, and see what is left instead."""
+    """The end of a march from rest that is so long that nothing of the transient is left."""
     period = problem.require_excitation_period("march")
     # as many periods as a motion of any of the multiples goes into
     periods = math.ceil(DECAY_TIMES * decay_time(problem) / period) + WATCHED
@@ -129,7 +129,7 @@ def end_of_march(solver: Solver, problem: Problem) -> End:
 
 
 def repeats(history: History, periods: int, period: float) -> int:
-    """After how many excitation periods the last section points come again; 0 if they do not after `LONGEST`."""
+    """The period multiple of the last section points; 0 if they do not repeat within `LONGEST` periods."""
     x = np.linspace(0.0, history.problem.beam.length, POINTS)
     t = period * np.arange(periods - WATCHED, periods + 1, dtype=float)
     points = np.concatenate([history.displacement(x, t), history.velocity(x, t) * period / (2 * math.pi)])
@@ -139,7 +139,7 @@ def repeats(history: History, periods: int, period: float) -> int:
 
 
 def impulses_after(history: History, start: float) -> FloatArray:
-    """Impulse of each stop from a time on, N s; of a contact that the time cuts, the integral of its force."""
+    """Impulse of each stop from a time on, N s; a contact that the time cuts counts by the integral of its force."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         if contact.start >= start:
@@ -170,7 +170,7 @@ def compared(label: str, solver: Solver, steady: SteadyState, end: End) -> Itera
 
 
 def lasting(label: str, solver: Solver, problem: Problem) -> Iterator[Check | Criterion]:
-    """A motion that does not repeat, against the end of a march, and how long it was seen not to repeat."""
+    """A motion that does not repeat, against the end of a march, and the time over which it was seen not to repeat."""
     steady, end = solver.steady_state(problem, sensitivity=False, errors=False), end_of_march(solver, problem)
     found = Estimate(float(steady.period_multiple), 0.0, "search")
     marched = Estimate(float(end.multiple), 0.0, f"march of {end.periods} periods", Kind.ANALYTICAL)

@@ -1,9 +1,9 @@
 """Both solvers under one random excitation: the same contacts until chaos parts them, the same statistics beyond.
 
 A cantilever between two stiff stops is shaken at random.  Nearby motions part exponentially, so the error of each
-solver grows, too, until it is as large as the motion.  A twin, the motion of one solver from an initial state that is
-moved by next to nothing, shows at what rate: the mean largest Lyapunov exponent over that stretch of that excitation.
-The two solvers must part as fast.
+solver grows until it is as large as the motion.  A twin, the motion of one solver from a slightly displaced initial
+state, shows the rate: the mean largest Lyapunov exponent over that stretch of the excitation.  The two solvers must
+part at this rate.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4
 LOW, HIGH, DENSITY = 3.0, 60.0, 4.0
 """Band, Hz, and density, (m/s2)^2/Hz, of the base's acceleration; the lowest mode has 5.6 Hz."""
 SEEDS = (1, 2, 3, 5)
-"""Of the excitations under which motions are followed until they part.  Statistics are of motions under the first.
-Under that of seed 4 the 52nd contact is a graze, which one solver has and the other has not."""
+"""Seeds of the excitations under which motions are followed until they part; statistics are of motions under the first.
+Under seed 4 the 52nd contact is a graze, which only one solver finds."""
 FOLLOWED = 2.0  # Length of the motions that are followed, s: they have parted after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
 """Solvers for the motions until they part: both state their errors."""
@@ -78,7 +78,7 @@ def joint(seed: int, moved: float = 0.0) -> Problem:
 
 
 def known(motions: tuple[History, History]) -> list[int]:
-    """The contacts, from the first on, of which both solvers know the start to `KNOWN`."""
+    """Indices of the contacts, from the first on, whose start both solvers know to `KNOWN`."""
     found = []
     for i, pair in enumerate(zip(*(motion.contacts for motion in motions), strict=False)):
         if max(math.inf if c.start_error is None else c.start_error for c in pair) > KNOWN:
@@ -111,11 +111,11 @@ class Growth:
     """How a distance grows."""
 
     rate: float
-    """1/s."""
+    """Rate of the exponential, 1/s."""
     uncertainty: float
-    """Of the rate, 1/s."""
+    """Uncertainty of the rate, 1/s."""
     times: float
-    """What the straight line grows by from the first time to the last."""
+    """Growth of the straight line's exponential from the first time to the last."""
 
 
 def growth(t: FloatArray, distances: FloatArray) -> Growth:
@@ -129,7 +129,7 @@ def growth(t: FloatArray, distances: FloatArray) -> Growth:
 
 
 def parting(seed: int, motions: tuple[History, History], twin: History) -> tuple[Growth, Growth, float]:
-    """How fast the solvers part, how fast the twins, and when the solvers have parted, s."""
+    """Growth of the distance of the solvers, of the twins, and the time at which the solvers have parted, s."""
     t = np.arange(BEGUN, FOLLOWED, STEP)
     apart, twins = distance(*motions, t), distance(motions[0], twin, t)
     beyond = np.flatnonzero(np.maximum(apart, twins) > PARTED)
@@ -138,7 +138,8 @@ def parting(seed: int, motions: tuple[History, History], twin: History) -> tuple
 
 
 def parted(motions: dict[int, tuple[History, History, History]]) -> Iterator[Check | Criterion]:
-    """The rate at which the solvers part, against that of twins, under each excitation, and under all of them."""
+    """The rate at which the solvers part, against the rate of the twins, under each excitation, and under all of
+    them."""
     spans, logs, errors = [], [], []
     for seed, (own, other, twin) in motions.items():
         solvers, twins, until = parting(seed, (own, other), twin)
@@ -178,7 +179,7 @@ def beyond(level: Level, say: Say) -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Contacts, parting, and statistics of motions under shared excitations."""
     items: list[Check | Criterion] = []
     motions = {}
     for seed in SEEDS:

@@ -1,7 +1,7 @@
-"""Contacts of bars that do not ring: with an overdamped mode, and with one that no spring holds.
+"""Contacts of bars that do not ring: with an overdamped mode, and with a mode that no spring holds.
 
-Such modes have formulas of their own in each solver: in the march, in the search for contacts, and in what deviations
-do.  Both solvers are fine enough here to leave nothing else between them.
+Each solver has special formulas for these modes: in the march, in the search for contacts, and for deviations.  Both
+solvers are fine enough here that only these formulas can differ.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What is read off a motion: statistics, summaries of steady states and time series, by plain sums and closed forms.
+"""Statistics, summaries of steady states and time series of a motion, by plain sums and closed forms.
 
-`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here the same motions are there as a whole,
-are sampled densely, and are summed up by numpy; intervals are those of the textbooks.  A steady state without contact
-is a sine of known amplitude; one with contacts is summed up from its own samples.  Time series of a beam on two pins
-are compared with the sum over its sines.
+`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here numpy sums up the whole motion, densely
+sampled, with the textbooks' intervals.  A steady state without contact is a sine of known amplitude; a steady state
+with contacts is summed up from its own samples.  Time series of a beam on two pins are compared with the sum over its
+sines.
 """
 
 from __future__ import annotations
@@ -126,16 +126,16 @@ class Plain:
 
     motion: History
     start: float
-    """What comes before it is left out, s."""
+    """Time before which the motion is left out, s."""
 
     @cached_property
     def t(self) -> FloatArray:
-        """Times of the samples, s."""
+        """Times of the samples, s, shape (m,)."""
         return np.arange(math.ceil(self.start * DENSE), math.floor(self.motion.end * DENSE)) / DENSE
 
     @cached_property
     def samples(self) -> dict[str, FloatArray]:
-        """By the name of the quantity, shape ``(places, m)``."""
+        """Samples by the name of the quantity, shape (places, m)."""
         z = {(dx, dt): self.motion.evaluate(np.array(list(PLACES.values())), self.t, dx, dt) for dx, dt in self._needed}
         base = self.motion.problem.base_motion
         assert base is not None
@@ -160,7 +160,7 @@ class Plain:
 
     @cached_property
     def touches(self) -> list[Touch]:
-        """Its contacts."""
+        """Contacts of the motion."""
         found = []
         for it in self.motion.contacts:
             stop = self.motion.problem.stops[it.stop]
@@ -197,7 +197,7 @@ def of_places(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Itera
 
 
 def sampled(batches: FloatArray, off: float) -> FloatArray:
-    """Student's interval, wider by what sparse samples add to the standard error of the mean."""
+    """Student's interval, widened by the error of the mean of sparse samples."""
     low, high = student(batches)
     wider = math.sqrt(1 + batches.size * off**2 / float(np.var(batches, ddof=1)))
     return np.asarray((low + high) / 2 + wider * (high - low) / 2 * np.array([-1.0, 1.0]))
@@ -209,7 +209,8 @@ def batched(t: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArray:
 
 
 def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterator[Check]:
-    """Rates, shares of time, impulses and forces of each stop, with intervals, and what exceeds an edge."""
+    """Rates, shares of time, impulses and forces of each stop, with intervals, and the rate of peak forces above each
+    edge."""
     unit = edges[1] - edges[0]
     for k, stop in enumerate(plain[0].motion.problem.stops):
         where = f"of stop {k + 1}"
@@ -246,7 +247,7 @@ def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterat
 
 
 def close(found: xr.Dataset, name: str, unit: str, value: float, u: float, where: str, **at: float) -> Check:
-    """A value of the dataset against that of the plain sums."""
+    """A value of the dataset against the value of the plain sums."""
     a = Estimate(float(chosen(found[name], at)), 0.0, "statistics, in stretches")
     return Check(f"{name.replace('_', ' ')} {where}", unit, a, Estimate(value, u, "plain sums", Kind.ANALYTICAL))
 
@@ -261,12 +262,12 @@ def wide(found: xr.Dataset, name: str, unit: str, ends: FloatArray, where: str, 
 
 
 def chosen(values: xr.DataArray, at: dict[str, float]) -> xr.DataArray:
-    """At a place, or of a stop."""
+    """The values at a position, or of a stop."""
     return values.sel(at, method="nearest") if "x" in at else values.isel({k: int(v) for k, v in at.items()})
 
 
 def of_units(found: xr.Dataset) -> Iterator[Check | Criterion]:
-    """How long units are against the time in which the slowest mode decays, and how much is left out."""
+    """Length of the units against the decay time of the slowest mode, and the length that is left out."""
     decay = 1 / (DAMPING * LOWEST)
     yield Criterion("units", "1", float(found.attrs["units"]), SEEDS * UNITS, SEEDS * UNITS, "as many fit")
     for name, most in (("unit_duration", 20.0), ("settle", 7.0)):
@@ -369,7 +370,7 @@ def forces(plain: Plain) -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All of it."""
+    """Statistics, steady states and time series."""
     say(f"statistics of {SEEDS} motions")
     found = statistics(
         problem(0),

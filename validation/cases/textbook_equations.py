@@ -1,11 +1,11 @@
-r"""Characteristic equations of uniform single-span beams, as textbooks give them, and their roots b = beta L.
+"""Characteristic equations of uniform single-span beams, as textbooks give them, and their roots b = beta L.
 
-They are those of Blevins (1979), Table 8-1, and Rao, Mechanical Vibrations, Figure 8.15; with K = k L^3 / (EI b^3) and
-T = kt L / (EI b), a free beam on a translational spring k and a torsional spring kt at its root obeys
+The equations are from Blevins (1979), Table 8-1, and Rao, Mechanical Vibrations, Figure 8.15.  With K = k L^3 / (EI
+b^3) and T = kt L / (EI b), a free beam on a translational spring k and a torsional spring kt at its root obeys
 
     (1 - cos b cosh b) - T (sin b cosh b + cos b sinh b) - K (sin b cosh b - cos b sinh b) + K T (1 + cos b cosh b) = 0
 
-Every equation is divided by cosh b or the like, so that nothing grows.  Nothing here comes from `analytic`.
+Every equation is divided by cosh b or the like, so that nothing overflows.  Nothing here comes from `analytic`.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
 
 
 def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
-    """Energy in the joint, what the base has supplied, and so what damping has taken, as the witness sees them."""
+    """Energy in the joint, supply by the base, and so dissipation by damping, as the witness computes them."""
     t = np.linspace(exact.start, min(exact.end, fe.end), 600)
 
     def paint(axes: Axes) -> None:

@@ -1,9 +1,9 @@
-"""Would the judge notice?  Faults of the kinds that real programs have, put in one at a time while the judge runs.
+"""Would the judge notice?  Faults of the kinds that real programs have, put in one at a time.
 
-`fault` says what a fault is, `catalogue` lists them, one file for each place.  `changed_tree` makes a copy of the
-packages with one fault in it, `trial` runs the cases on that copy, in a process of its own, until something disagrees,
-and `running` does so for many faults.  `table` tells what caught each, and `record` keeps that for the documents.
-`mutants` draws changes at random from the source, in place of chosen ones.
+`fault` says what a fault is, `syntax` finds its place in the source, and `catalogue` lists all faults.  `changed_tree`
+copies the packages and changes one module of the copy.  `trial` runs the cases on a copy until one disagrees, and
+`running` runs many trials.  `table` tells what caught each fault, and `record` keeps the table for the documents.
+`mutants` tries changes drawn at random in place of chosen faults.
 
-A fault names no case by which it is to be caught: all go through the same cases in the same order, cheapest first.
+A fault names no case that is to catch it: all faults go through the same cases in the same order, cheapest first.
 """

@@ -1,7 +1,7 @@
 """A copy of the packages with one module changed; compiled functions that depend on the change are compiled again.
 
-`lapjoint.compiled.cache` sees to that.  Here it is only asked whether there are any, since to compile takes time: they
-are found by the names that they mention, which are more than those that they need.
+`lapjoint.compiled.cache` compiles them.  This module only tells whether there are any, because compiling takes time.
+It goes by the names that a function mentions, which are more than the function needs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation")
 
 @dataclass(frozen=True)
 class Changed:
-    """A module and its changed source; no module stands for the sound packages."""
+    """A module and its changed source; an empty `module` stands for the sound packages."""
 
     label: str
     """Name of the change."""
@@ -51,7 +51,7 @@ def sources_below(tree: Path, name: str) -> Iterator[tuple[str, str]]:
 
 
 def installed_tree() -> Path:
-    """The folder that holds the packages as they are installed."""
+    """The folder that holds the installed packages."""
     spec = find_spec("lapjoint")
     assert spec is not None
     assert spec.origin is not None
@@ -59,7 +59,7 @@ def installed_tree() -> Path:
 
 
 def copied_tree(tree: Path, target: Path) -> None:
-    """Copy the packages with the times of their files, so that compiled code stays valid, and compile the rest."""
+    """Copy the packages with the times of their files, which keeps compiled functions valid; compile the modules."""
     for package in PACKAGES:
         shutil.copytree(tree / package, target / package)
         compile_dir(target / package, quiet=2)
@@ -86,7 +86,7 @@ def _written(definitions: dict[str, ast.stmt], name: str) -> str:
 
 
 def _compiled_from(tree: Path, names: set[str]) -> bool:
-    """Whether any compiled function mentions a name, or what depends on it."""
+    """Whether any compiled function mentions one of the names, or a constant or function that depends on one."""
     paths = [path for package in PACKAGES for path in sorted((tree / package).rglob("*.py"))]
     found = [one for path in paths for one in _mentioning(path.read_text())]
     known: set[str] = set()

@@ -17,17 +17,17 @@ class Fault:
     """One mistake in one function or constant."""
 
     name: str
-    """A few words with hyphens, unique."""
+    """A few words with hyphens; no other fault has this name."""
     kind: str
-    """Which kind of mistake programs make, in a few words."""
+    """The kind of mistake, in a few words."""
     where: str
     """A package or module, a colon, and the qualified name of a definition, which may be in any file below it."""
     what: str
-    """What the program then does, in a sentence."""
+    """What the program does with the fault, in a sentence."""
     old: str
-    """An expression, or statements, that stand once in the definition; `validation.faults.syntax` says what fits."""
+    """An expression or statements that stand once in the definition; see `validation.faults.syntax` for ``...``."""
     new: str
-    """What stands in their place."""
+    """The code in place of `old`."""
 
     @property
     def place(self) -> str:
@@ -49,4 +49,7 @@ class Fault:
                 f"fault {self.name}: `{self.old}` stands {len(found)} times in `{name}` of {modules}, and must once"
             )
         ((module, source, match),) = found
-        return Changed(self.name, module, match.replaced(source, self.new))
+        try:
+            return Changed(self.name, module, match.replaced(source, self.new))
+        except ValueError as error:
+            raise ValueError(f"fault {self.name}: {error}") from None

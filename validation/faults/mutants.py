@@ -1,9 +1,9 @@
 """``python -m validation.faults.mutants``: changes drawn at random, and what catches each; survivors with their reason.
 
-Each mutant goes through the cases as a fault does.  One that no case catches either shows what the cases lack, or
-changes no answer: `equivalent.toml` then holds it with the reason.  The run whose page the documents show is kept in
-`mutants.json`, with the commit whose source it was, and those whose source the mutants were drawn from; its mutants
-come first in every later run.
+Each mutant goes through the cases as a fault does.  A mutant that no case catches shows what the cases lack, or changes
+no answer; `equivalent.toml` gives the reason why a mutant changes no answer.  `mutants.json` keeps the run that the
+documents show, with the commits in whose source each mutant was drawn and judged.  Mutants of the kept run come first
+in every later run.
 """
 
 from __future__ import annotations
@@ -62,25 +62,25 @@ changed, and where it stood.
 
 @dataclass(frozen=True)
 class Outcome:
-    """A mutant, and what became of it under the judge."""
+    """A mutant, and the outcome of its trial."""
 
     mutant: Mutant
     seen: Seen
     reason: str
-    """Why it changes no answer; empty where none is known, or none is due."""
+    """Why the mutant changes no answer; empty where no reason is known, or none is due."""
     drawn: str
-    """The commit from whose source it was drawn."""
+    """The commit from whose source the mutant was drawn."""
     judged: str
-    """The commit in whose source it was judged; empty where that is unknown."""
+    """The commit in whose source the mutant was judged; empty where the commit is unknown."""
 
     @property
     def verdict(self) -> str:
-        """In a word or two."""
+        """The outcome in a word or two."""
         return EQUIVALENT if self.seen.result is Result.MISSED and self.reason else self.seen.result.value
 
 
 def reasons() -> dict[str, str]:
-    """Why mutants change no answer, by their identity; by what it was before its function was moved, too."""
+    """Why mutants change no answer, by their identity, and by the identities before their functions were moved."""
     text = (Path(str(files("validation.faults"))) / REASONS).read_text()
     entries = tomllib.loads(text).get("equivalent", [])
     return {name: entry["reason"] for entry in entries for name in (entry["mutant"], *entry.get("formerly", ()))}
@@ -93,7 +93,7 @@ def record_path() -> Path:
 
 @dataclass(frozen=True)
 class Run:
-    """What became of the mutants that a seed draws."""
+    """The outcomes of the mutants that a seed draws."""
 
     seed: int
     outcomes: tuple[Outcome, ...]
@@ -119,7 +119,7 @@ class Run:
 
     @property
     def page(self) -> str:
-        """Its page, Markdown."""
+        """The page of the run, Markdown."""
         text = _HEAD.format(
             seed=self.seed,
             drawn=_counted((it.drawn for it in self.outcomes), "{0} from the source of commit {1}"),

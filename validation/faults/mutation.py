@@ -1,7 +1,7 @@
 """Small changes of source, drawn at random: a sign, a factor of 1.001, a term dropped, an index off by one.
 
-Where they may be: in the functions of both solvers and of the ground that compute something.  What only reads, writes,
-draws or speaks is left out, and so are texts, annotations and what an error says.
+Changes are made in the functions of both solvers and of the ground that compute something.  Code that only reads,
+writes, draws or speaks is left out, and so are texts, annotations and messages of errors.
 """
 
 from __future__ import annotations
@@ -36,23 +36,23 @@ class Mutant:
     module: str
     """The module, by its full name."""
     function: str
-    """Where in it."""
+    """Qualified name of the function."""
     line: int
     """Number of its line in the sound source."""
     start: int
     """Where the change begins, in bytes of the source."""
     end: int
-    """Where it ends."""
+    """Where the change ends, in bytes of the source."""
     old: str
-    """What stands there."""
+    """The sound code."""
     new: str
-    """What it becomes."""
+    """The code in place of `old`."""
     number: int = 1
-    """Which of the changes of that function that read alike, from 1."""
+    """Number among the changes of the function that read alike, from 1."""
 
     @property
     def identity(self) -> str:
-        """What it is called, whatever line it is in: module, function, and what becomes of what."""
+        """A name that does not depend on the line: module, function, and the code before and after."""
         old, new = (" ".join(text.split()) for text in (self.old, self.new))
         which = f" (number {self.number})" if self.number > 1 else ""
         return f"{self.module}.{self.function}: {old} -> {new}{which}"
@@ -66,7 +66,8 @@ class Mutant:
 def drawn(tree: Path, seed: int, count: int, before: Collection[str] = ()) -> list[Mutant]:
     """Changes drawn at random, first the kind and then the place, each place once at most.
 
-    A seed draws others as soon as the source changes anywhere.  So those drawn before come first, where they still fit.
+    A seed draws other changes as soon as the source changes anywhere; therefore changes drawn before come first while
+    they fit.
     """
     known: dict[str, list[Mutant]] = {kind: [] for kind in KINDS}
     fitting = {mutant.identity: mutant for mutant in everywhere(tree)}
@@ -83,18 +84,7 @@ def drawn(tree: Path, seed: int, count: int, before: Collection[str] = ()) -> li
 
 @cache
 def everywhere(tree: Path) -> tuple[Mutant, ...]:
-    """All changes that may be made, as the source is when this is first asked.
-
-    Parameters
-    ----------
-    tree : Path
-        The folder that holds the packages.
-
-    Returns
-    -------
-    tuple of Mutant
-        Module by module.
-    """
+    """All changes that may be made in the packages of a tree, module by module, as the source is at the first call."""
     return tuple(one for name in modules(tree) for one in possible(name, source_of(tree, name)))
 
 

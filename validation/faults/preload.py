@@ -1,4 +1,4 @@
-"""What the process is loaded with from which those of the trials are forked: the heavy libraries, once for all."""
+"""The heavy libraries, loaded once in the process from which the processes of all trials are forked."""
 
 import h5netcdf
 import jinja2

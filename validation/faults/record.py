@@ -55,14 +55,9 @@ def written(judged: Sequence[Judged], baseline: dict[str, Seen]) -> str:
 
 
 def recorded() -> tuple[tuple[Judged, ...], dict[str, float]]:
-    """The last complete run.
+    """The last complete run: faults of the catalogue as they were judged, and the time of each case without a fault, s.
 
-    Returns
-    -------
-    tuple of Judged
-        Faults that are still there, as they were judged.
-    dict
-        The time, s, of each case that was run without a fault: those that it took to catch all.
+    The cases are those that it took to catch all faults.
     """
     if not recorded_path().exists():
         return (), {}
@@ -73,20 +68,7 @@ def recorded() -> tuple[tuple[Judged, ...], dict[str, float]]:
 
 
 def page(judged: Sequence[Judged], costs: dict[str, float]) -> str:
-    """The page of the documents.
-
-    Parameters
-    ----------
-    judged : sequence of Judged
-        All faults, and the control.
-    costs : dict
-        The time of each case without a fault, s.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """The page of the documents in Markdown, from all faults, the control, and the time of each case, s."""
     faults = [one for one in judged if one.fault != CONTROL]
     counts = {place: sum(one.fault.place == place for one in faults) for place in _PLACES}
     text = _HEAD.format(
@@ -110,20 +92,7 @@ def _row(one: Judged) -> str:
 
 
 def write_record(judged: Sequence[Judged], baseline: dict[str, Seen]) -> tuple[Path, ...]:
-    """Write the record, and the page of the documents; nothing where there are no documents, as in an installation.
-
-    Parameters
-    ----------
-    judged : sequence of Judged
-        All faults, and the control.
-    baseline : dict
-        What was seen of each case without a fault.
-
-    Returns
-    -------
-    tuple of Path
-        The files.
-    """
+    """Write the record and the page of the documents; an installation has no documents, and nothing is written."""
     path = recorded_path()
     docs = path.parents[2] / "docs"
     if not docs.is_dir():

@@ -60,7 +60,7 @@ def main(
 def _on_trial(
     trials: Trials, faults: Sequence[Fault], modules: Sequence[str], console: Console
 ) -> tuple[list[Judged], dict[str, Seen]]:
-    """What became of each fault and of the control, and of each case without a fault; no fault if one disagrees.
+    """Outcomes of the faults, the control and the cases without a fault; of no fault if one of these cases disagrees.
 
     The cases that the last complete run came to are enough, unless they leave a fault uncaught: then the others follow.
     """
@@ -110,7 +110,7 @@ def _judged(trials: Trials, faults: Sequence[Fault], order: Order, console: Cons
 
 
 def seen_line(seen: Seen) -> str:
-    """What became of a trial, in a line."""
+    """The outcome of a trial, in a line."""
     case = f" by {seen.case.replace('_', '-')}" if seen.case else ""
     item = f": {seen.item}" if seen.item else ""
     numbers = f", {seen.number} against {seen.bound}" if seen.number else ""

@@ -1,8 +1,8 @@
 """Many trials: each on its own copy of the packages, in its own process, some at a time.
 
-The processes are forked from one that has loaded the heavy libraries (multiprocessing's fork server), so that a trial
-begins at once, and nothing leaks from one to the next.  Ctrl-C ends all of them; a
-`TrialJournal` keeps the trials that are done.
+The processes are forked from one that has loaded the heavy libraries (multiprocessing's fork server).  A trial then
+begins at once, and nothing leaks from one trial to the next.  Ctrl-C ends all trials; a `TrialJournal` keeps those that
+are done.
 """
 
 from __future__ import annotations
@@ -47,28 +47,17 @@ class Order:
     """A case that runs before them, such as the one that caught the same change before."""
 
     def limits(self, compiles: bool) -> tuple[tuple[str, float], ...]:
-        """The cases, and the most time that each may take on a changed tree.
-
-        Parameters
-        ----------
-        compiles : bool
-            Whether functions have to be compiled again.
-
-        Returns
-        -------
-        tuple of (str, float)
-            Modules of the cases, and seconds.
-        """
+        """The cases, and the most time that each may take, s; more if functions have to be compiled again."""
         more = ALLOWANCE + (COMPILING if compiles else 0.0)
         ordered = sorted(self.costs.items(), key=lambda item: (item[0] != self.first, item[1]))
         return tuple((case, more + TIMES * seconds) for case, seconds in ordered)
 
 
 class TrialJournal:
-    """Trials that are done, a line each in a file, so that a run that was interrupted goes on where it was.
+    """Trials that are done, a line each in a file: a run that was interrupted goes on where it stopped.
 
-    What was seen by a case counts as long as the source of the case is the same: after a change of one case, or with
-    one more, only that case is run again.
+    The outcome of a case counts as long as the source of the case stays.  After a change of one case, or with one more
+    case, only this case is run again.
     """
 
     def __init__(self, path: Path | None) -> None:
@@ -83,7 +72,7 @@ class TrialJournal:
                 continue  # a line that was cut off: its trial is run again
 
     def get(self, key: str, cases: Mapping[str, str]) -> Seen | None:
-        """What became of a trial that was run before, if it was, and that would come of it again."""
+        """The outcome of a trial that was run before, if it would be the outcome again; else None."""
         if key not in self._seen:
             return None
         seen, sources = self._seen[key]
@@ -102,7 +91,7 @@ class TrialJournal:
         return Seen(Result.MISSED, seconds=sum(seconds for _, seconds in spent), spent=spent)
 
     def put(self, key: str, seen: Seen, cases: Mapping[str, str]) -> Seen:
-        """Keep what became of a trial, together with what it went through before."""
+        """Keep the outcome of a trial, together with the cases that it went through before."""
         before = self.passed(key, cases)
         seen = replace(seen, spent=before.spent + seen.spent, seconds=before.seconds + seen.seconds)
         self._seen[key] = seen, dict(cases)
@@ -113,12 +102,12 @@ class TrialJournal:
 
 
 def plain(seen: Seen) -> dict[str, Any]:
-    """What was seen as plain values, for JSON."""
+    """An outcome as plain values, for JSON."""
     return {**vars(seen), "result": seen.result.value}
 
 
 def seen_from(values: Mapping[str, Any]) -> Seen:
-    """What was seen, from plain values."""
+    """An outcome from plain values."""
     spent = tuple((str(case), float(seconds)) for case, seconds in values.get("spent", ()))
     return Seen(**{**values, "result": Result(values["result"]), "spent": spent})
 
@@ -172,20 +161,9 @@ class Trials:
     def costs(self, cases: Sequence[str], done: Callable[[str, Seen], None]) -> dict[str, Seen]:
         """Run each case alone on the sound packages, whether that was done before or not.
 
-        What they compile stays in that tree, and goes with every copy of it: without it a trial would take the time
-        of compiling, for which it has no allowance, and count as too slow.
-
-        Parameters
-        ----------
-        cases : sequence of str
-            Modules of the cases.
-        done : callable
-            Takes each case and what was seen, when it is done.
-
-        Returns
-        -------
-        dict
-            What was seen, by case; nothing disagrees if all are `Result.MISSED`.
+        Functions that the cases compile stay in the sound tree, and every trial gets them with its copy of the tree.
+        Without them a trial would have to compile, for which it has no allowance, and count as too slow.  Nothing
+        disagrees if every case is `Result.MISSED`.
         """
         jobs = [(Changed(case), ((case, 3600.0),)) for case in cases]
         found = {}
@@ -197,21 +175,9 @@ class Trials:
     def judged(
         self, changes: Iterable[Changed], order: Order, first: Mapping[str, str] | None = None
     ) -> Iterator[tuple[Changed, Seen]]:
-        """Run the cases on changed packages, each until the first disagreement.
+        """Run the cases on each change until the first disagreement; changes are yielded as they are done.
 
-        Parameters
-        ----------
-        changes : iterable of Changed
-            What is changed, one at a time.
-        order : Order
-            The cases.
-        first : mapping of str to str, optional
-            The case that runs first, by the label of the change, where that is not the cheapest.
-
-        Yields
-        ------
-        Changed, Seen
-            Each change, and what became of it, in the sequence in which they are done.
+        `first` names the case that runs first on a change, by the label of the change, where it is not the cheapest.
         """
         known = first or {}
         yield from self._run((it, replace(order, first=known.get(it.label, ""))) for it in changes)
@@ -249,7 +215,7 @@ class Trials:
                 trial.folder.cleanup()
 
     def _put(self, trial: _Trial, seen: Seen) -> Seen:
-        """What was seen of a trial, kept if anything is changed in it."""
+        """The outcome of a trial, kept if anything is changed in it."""
         return self._kept.put(trial.key, seen, self._sources) if trial.changed.module else seen
 
     def _with_digests(self, limits: Limits) -> dict[str, str]:

@@ -1,7 +1,7 @@
 """Code by its syntax tree: definitions by name, where a piece of code stands in them, and other code in its place.
 
-Layout, comments and docstrings are no part of the comparison.  In a piece of code, ``...`` stands for any expression.
-As an argument, an element or a statement it stands for any number of them, and ``f(...)`` for any call of f.
+Layout and comments are no part of the comparison.  In a piece of code, ``...`` stands for any expression.  In a list of
+arguments, elements or statements, ``...`` stands for any number of them, and ``f(...)`` for any call of f.
 """
 
 from __future__ import annotations
@@ -22,12 +22,10 @@ def definitions(source: str) -> Iterator[tuple[str, ast.stmt]]:
 
 
 def defined(name: str, source: str) -> list[ast.stmt]:
-    """Definitions of a qualified name; a source is parsed only if its text looks like one."""
-    last = name.rpartition(".")[2]
-    texts = (f"def {last}(", f"class {last}", f"{last} =", f"{last}:", f"{last},")
-    return (
-        [node for known, node in definitions(source) if known == name] if any(text in source for text in texts) else []
-    )
+    """Definitions of a qualified name; a source that does not mention the name is not parsed."""
+    if name.rpartition(".")[2] not in source:
+        return []
+    return [node for known, node in definitions(source) if known == name]
 
 
 def _definitions(body: Sequence[ast.stmt], above: str) -> Iterator[tuple[str, ast.stmt]]:
@@ -59,26 +57,29 @@ class Match:
         """The source with other code here; the nth ``...`` of `new` is that of the match, an only one is each."""
         filled = ast.unparse(_Filled(self.gaps).visit(ast.parse(dedent(new))))
         start, end = span(source, self.found[0], self.found[-1])
-        first = self.found[0]
-        text = indent(filled, " " * first.col_offset).lstrip() if isinstance(first, ast.stmt) else f"({filled})"
-        raw = source.encode()
+        first, raw = self.found[0], source.encode()
+        if not isinstance(first, ast.stmt):
+            text = f"({filled})"
+        elif isinstance(first, ast.If) and raw[start:].startswith(b"elif"):
+            text = "else:\n" + indent(filled, " " * (first.col_offset + 4))
+        else:
+            text = indent(filled, " " * first.col_offset).lstrip()
         return (raw[:start] + text.encode() + raw[end:]).decode()
 
 
 def matches(code: str, node: ast.AST) -> Iterator[Match]:
-    """All places below a node at which an expression or statements stand."""
+    """All places below a node at which an expression or statements stand, and all ways in which ``...`` fits there."""
     wanted = _parsed(dedent(code)).body
     only = wanted[0].value if len(wanted) == 1 and isinstance(wanted[0], ast.Expr) else None
     for part in ast.walk(node):
         if only is not None:
-            if isinstance(part, ast.expr) and (gaps := _gaps(only, part)) is not None:
-                yield Match((part,), tuple(gaps))
+            if isinstance(part, ast.expr):
+                yield from (Match((part,), tuple(gaps)) for gaps in _gaps(only, part))
             continue
         for body in (getattr(part, name, ()) for name in ("body", "orelse", "finalbody")):
             for i in range(len(body) - len(wanted) + 1) if isinstance(body, list) else ():
                 here = body[i : i + len(wanted)]
-                if (gaps := _gaps_of_list(wanted, here)) is not None:
-                    yield Match(here, tuple(gaps))
+                yield from (Match(here, tuple(gaps)) for gaps in _gaps_of_list(wanted, here))
 
 
 def span(source: str, first: ast.AST, last: ast.AST | None = None) -> tuple[int, int]:
@@ -109,54 +110,62 @@ def _has_only_a_gap(call: ast.Call) -> bool:
     return len(call.args) == 1 and not call.keywords and _is_gap(call.args[0])
 
 
-def _gaps(wanted: ast.AST, node: ast.AST) -> list[Nodes] | None:
-    """Nodes that each ``...`` of a tree stands for in another one; None if the trees differ."""
+def _gaps(wanted: ast.AST, node: ast.AST) -> Iterator[list[Nodes]]:
+    """Nodes that each ``...`` of a tree may stand for in another one, in all ways; none if the trees differ."""
     if _is_gap(wanted):
-        return [[node]] if isinstance(node, ast.expr) else None
-    if type(wanted) is not type(node):
-        return None
-    if isinstance(wanted, ast.Call) and isinstance(node, ast.Call) and _has_only_a_gap(wanted):
-        of_function = _gaps(wanted.func, node.func)
-        return None if of_function is None else [*of_function, [*node.args, *node.keywords]]
-    found: list[Nodes] = []
-    for name in wanted._fields:
-        gaps = _gaps_of_field(getattr(wanted, name, None), getattr(node, name, None))
-        if gaps is None:
-            return None
-        found += gaps
-    return found
+        if isinstance(node, ast.expr):
+            yield [[node]]
+    elif type(wanted) is not type(node):
+        return
+    elif isinstance(wanted, ast.Call) and isinstance(node, ast.Call) and _has_only_a_gap(wanted):
+        yield from ([*gaps, [*node.args, *node.keywords]] for gaps in _gaps(wanted.func, node.func))
+    else:
+        yield from _gaps_of_fields(*([getattr(tree, name, None) for name in wanted._fields] for tree in (wanted, node)))
 
 
-def _gaps_of_field(wanted: object, value: object) -> list[Nodes] | None:
-    if isinstance(wanted, list) and isinstance(value, list):
-        return _gaps_of_list(wanted, value)
-    if isinstance(wanted, ast.AST):
-        return _gaps(wanted, value) if isinstance(value, ast.AST) else None
-    return [] if type(wanted) is type(value) and wanted == value else None
-
-
-def _gaps_of_list(wanted: Sequence[object], values: Sequence[object]) -> list[Nodes] | None:
+def _gaps_of_fields(wanted: Sequence[object], values: Sequence[object]) -> Iterator[list[Nodes]]:
+    """As `_gaps`, for fields that must fit one by one."""
     if not wanted:
-        return None if values else []
-    if _is_gap(wanted[0]):
+        yield []
+        return
+    for first in _gaps_of_field(wanted[0], values[0]):
+        yield from ([*first, *rest] for rest in _gaps_of_fields(wanted[1:], values[1:]))
+
+
+def _gaps_of_field(wanted: object, value: object) -> Iterator[list[Nodes]]:
+    """As `_gaps`, for one field."""
+    if isinstance(wanted, list) and isinstance(value, list):
+        yield from _gaps_of_list(wanted, value)
+    elif isinstance(wanted, ast.AST) and isinstance(value, ast.AST):
+        yield from _gaps(wanted, value)
+    elif type(wanted) is type(value) and wanted == value:
+        yield []
+
+
+def _gaps_of_list(wanted: Sequence[object], values: Sequence[object]) -> Iterator[list[Nodes]]:
+    """As `_gaps`, for a list, in which ``...`` stands for any number of nodes."""
+    if not wanted:
+        yield from () if values else ([],)
+    elif _is_gap(wanted[0]):
         for count in range(len(values) + 1):
-            if (rest := _gaps_of_list(wanted[1:], values[count:])) is not None:
-                return [values[:count], *rest]  # type: ignore[list-item]
-        return None
-    first = _gaps_of_field(wanted[0], values[0]) if values else None
-    rest = None if first is None else _gaps_of_list(wanted[1:], values[1:])
-    return None if first is None or rest is None else [*first, *rest]
+            skipped = [value for value in values[:count] if isinstance(value, ast.AST)]
+            yield from ([skipped, *rest] for rest in _gaps_of_list(wanted[1:], values[count:]))
+    elif values:
+        for first in _gaps_of_field(wanted[0], values[0]):
+            yield from ([*first, *rest] for rest in _gaps_of_list(wanted[1:], values[1:]))
 
 
 class _Filled(ast.NodeTransformer):
-    """Puts nodes in place of each ``...``."""
+    """Puts nodes in place of each ``...``; without any, ``...`` is Python's own."""
 
     def __init__(self, gaps: Sequence[Nodes]) -> None:
-        self._left, self._only = list(gaps), gaps[0] if len(gaps) == 1 else None
+        self._gaps, self._left = gaps, list(gaps)
 
     def visit(self, node: ast.AST) -> Any:
         """See `ast.NodeVisitor.visit`."""
-        if not _is_gap(node) or not (self._left or self._only):
+        if not _is_gap(node) or not self._gaps:
             return self.generic_visit(node)
-        nodes = self._only or self._left.pop(0)
+        if len(self._gaps) > 1 and not self._left:
+            raise ValueError(f"`new` has more than the {len(self._gaps)} `...` of `old`")
+        nodes = self._gaps[0] if len(self._gaps) == 1 else self._left.pop(0)
         return nodes[0] if len(nodes) == 1 else nodes

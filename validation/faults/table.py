@@ -16,7 +16,7 @@ COLUMNS = ("fault", "kind", "where", "what it does", "result", "case", "comparis
 
 @dataclass(frozen=True)
 class Judged:
-    """A fault, and what became of it under the judge."""
+    """A fault, and the outcome of its trial."""
 
     fault: Fault
     seen: Seen

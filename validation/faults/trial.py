@@ -1,7 +1,7 @@
 """One trial: the judge's cases on one tree of the packages, in this process, until something disagrees.
 
-`try_tree` runs in a process of its own that was forked with the heavy libraries loaded, see `preload`, and forgets the
-packages that it knows, so that it imports those of the tree.
+`try_tree` runs in a process of its own that was forked with the heavy libraries loaded, see `preload`.  It forgets the
+packages that are loaded, and imports those of the tree.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from validation.faults.changed_tree import PACKAGES
 
 
 class Result(Enum):
-    """What a trial came to; the values stand in tables."""
+    """Outcome of a trial; the values stand in tables."""
 
     CAUGHT = "caught"
     MISSED = "not caught"
@@ -35,7 +35,7 @@ class Result(Enum):
 
 @dataclass(frozen=True)
 class Seen:
-    """What became of one tree under the judge."""
+    """The outcome of the trial of one tree."""
 
     result: Result
     case: str = ""
@@ -43,29 +43,20 @@ class Seen:
     item: str = ""
     """The comparison that disagreed, or the error."""
     number: str = ""
-    """By what number."""
+    """The number by which the comparison disagreed, with its unit."""
     bound: str = ""
-    """Against what bound."""
+    """The bound of the number, with its unit."""
     seconds: float = 0.0
-    """Time of the processor for all cases up to that one, s."""
+    """Processor time of all cases up to `case`, s."""
     spent: tuple[tuple[str, float], ...] = ()
-    """Each case, and its time, s."""
+    """Each case that ran, and its processor time, s."""
 
 
 def try_tree(tree: str, cases: tuple[tuple[str, float], ...], level: Level, connection: Connection) -> None:
-    """Run cases on a tree until one disagrees, and send a `Seen` for what happened, as plain values.
+    """Run cases on the packages of a tree until one disagrees.
 
-    Parameters
-    ----------
-    tree : str
-        The folder that holds the packages.
-    cases : tuple of (str, float)
-        The modules of the cases in the order in which they run, and the most time of the processor that each may take,
-        s.
-    level : "quick", "standard" or "full"
-        Level of refinement.
-    connection : Connection
-        Takes the name of each case when it begins, and at the end a dict: the fields of `Seen`.
+    Each case comes with the most processor time that it may take, s.  The connection takes the name of each case
+    when it begins, and at the end the fields of `Seen` as a dict.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _forget_packages(tree)
@@ -90,7 +81,7 @@ def try_tree(tree: str, cases: tuple[tuple[str, float], ...], level: Level, conn
 
 
 def _first_disagreement(answer: Any) -> dict[str, Any] | None:
-    """The first comparison of a case that disagrees, of whichever copy of the packages."""
+    """The first comparison of a case that disagrees, as fields of `Seen`; its class may be of another copy."""
     for item in answer.items:
         if item.verdict.name == "DISAGREE":
             number, bound = measured(item)
@@ -99,17 +90,9 @@ def _first_disagreement(answer: Any) -> dict[str, Any] | None:
 
 
 def measured(item: Any) -> tuple[str, str]:
-    """By what number a comparison disagrees, and against what bound.
+    """The number by which a `Check` or `Criterion` disagrees, and its bound, both with their unit.
 
-    Parameters
-    ----------
-    item : Check or Criterion
-        A comparison that disagrees, of whichever copy of the packages.
-
-    Returns
-    -------
-    str, str
-        The number and its bound, both with their unit.
+    Its class may be of another copy of the packages.
     """
     unit = "" if item.unit == "1" else f" {item.unit}"
     if not hasattr(item, "a"):
@@ -150,7 +133,7 @@ def _forget_packages(tree: str) -> None:
 
 
 class _Here(Executor):
-    """In place of a pool of processes: everything is done at once, in this one."""
+    """A pool that does every task at once in the process of the trial, in place of a pool of processes."""
 
     def __init__(self, workers: int) -> None:
         self._processes: dict[int, Any] = {}

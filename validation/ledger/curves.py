@@ -31,12 +31,12 @@ class Curve:
 
     @property
     def omega(self) -> FloatArray:
-        """rad/s, shape ``(n,)``."""
+        """Excitation frequency, rad/s, shape (n,)."""
         return np.asarray(self.dataset[self.dataset.impulse.dims[0]].values)
 
     @property
     def impulse(self) -> FloatArray:
-        """Per excitation period, N s, shape ``(n, stops)``; NaN where the solver gave up."""
+        """Impulse per excitation period, N s, shape (n, stops); NaN where the solver gave up."""
         return np.asarray(self.dataset.impulse.values)
 
     @cached_property
@@ -66,7 +66,7 @@ class Curve:
         return np.asarray(longest * self.omega / (2 * np.pi))
 
     def outcome_is(self, outcome: Outcome) -> np.ndarray:
-        """Where a certificate says so, shape ``(n,)``."""
+        """Whether the certificate states this outcome, shape (n,)."""
         attributes = self.dataset.outcome.attrs
         names = attributes["flag_meanings"].split()
         flag = attributes["flag_values"][names.index(outcome.name.lower())]
@@ -109,6 +109,6 @@ def figure_4(level: Level, say: Say) -> Figure4:
 
 
 def at(solver: str, frequencies: tuple[float, ...]) -> Curve:
-    """Steady states at a few frequencies; those that are quick to find by this process alone."""
+    """Steady states at a few frequencies; fast solvers use this process alone."""
     workers = WORKERS if solver == PUBLISHED else 1
     return Curve(sweep(paper_joint(), [Axis(FREQUENCY, frequencies)], solver=solver, workers=workers))

@@ -15,15 +15,16 @@ from validation.references.reading import Printed, Source, printed, sources
 from validation.verdict import Estimate
 
 DATA = Path(__file__).with_name("claims.toml")
+TIP = 2.5  # Position of the tip of the paper's beam, m from the root
 
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper says, and the ruling that is expected."""
+    """A statement of the paper, and the ruling that is expected."""
 
     key: str
     place: str
-    """Where in the paper."""
+    """Place in the paper."""
     claim: str
     printed: str
     expected: Ruling
@@ -33,7 +34,7 @@ class Claim:
 
     @property
     def number(self) -> Printed:
-        """What is printed, where it is a number; a percent sign is left out."""
+        """The printed value, where it is a number; a percent sign is left out."""
         return Printed(self.printed.replace(" %", ""), "", self.place, self.source)
 
 
@@ -51,32 +52,32 @@ def claims() -> dict[str, Claim]:
 
 @dataclass(frozen=True)
 class Entry:
-    """A claim, and what was found."""
+    """A claim, its computed numbers, and the ruling."""
 
     key: str
     numbers: Numbers
-    """What the ruling follows from."""
+    """Numbers from which the ruling follows."""
     why: str
     analytic: str = ""
-    """Recomputed by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
+    """Value by the analytic solver, with its uncertainty; empty where the claim is not about a motion."""
     fe: str = ""
-    """The same by finite elements."""
+    """Value by finite elements, with its uncertainty."""
     published: str = field(default="")
-    """By the paper's own scheme with its own numbers of modes, where that bears on the claim."""
+    """Value by the paper's own scheme with its own numbers of modes, where it bears on the claim."""
 
     @property
     def claim(self) -> Claim:
-        """What the paper says."""
+        """The claim of the paper."""
         return claims()[self.key]
 
     @property
     def rule(self) -> Rule:
-        """What turns the numbers into the ruling."""
+        """The rule that turns the numbers into the ruling."""
         return rule_of(self.key)
 
     @property
     def ruling(self) -> Ruling:
-        """What becomes of the claim."""
+        """The ruling on the claim."""
         return self.rule.judge(self.numbers)
 
 
@@ -93,7 +94,7 @@ def ledger_table(title: str, entries: Sequence[Entry]) -> Table:
 
 
 def counted(entries: Sequence[Entry]) -> str:
-    """How many claims came to what."""
+    """Number of claims by ruling."""
     counts = Counter(entry.ruling for entry in entries)
     return ", ".join(f"{counts[ruling]} {ruling.value}" for ruling in Ruling if counts[ruling])
 

@@ -12,18 +12,17 @@ import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, contact_states, paper_joint, paper_state_number
 from lapjoint.problem.presets import PAPER_DENSITY, TABLE_4_DENSITY
 from validation.cases.table4 import PRINTED, numbers
-from validation.ledger.entry import Entry, claims, said, written
+from validation.ledger.entry import TIP, Entry, claims, said, written
 from validation.ledger.rules import READING, Ruling
 from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Estimate
 
 MESHES = (16, 32, 64)
-TIP = 2.5  # Position of the tip, m from the root
 QUOTED = (1, 2, 5)  # Modes of the states with two springs that Section 3 cites: 515 + 3, 820 - 6, 2950 + 20
 
 
 def modal_entries() -> list[Entry]:
-    """All of them."""
+    """All claims about frequencies and mode shapes."""
     return [*table_4(), *quoted_frequencies(), *shape_ratios()]
 
 

@@ -14,7 +14,7 @@ from validation.ledger.entry import Entry, said
 
 
 def numerical_entries() -> list[Entry]:
-    """All of them."""
+    """All claims about the numerics."""
     return [frequency_interval(), event_interval(), equation_29()]
 
 
@@ -41,7 +41,7 @@ def fastest_impact(solver: Solver) -> float:
 
 
 def event_interval() -> Entry:
-    """What the printed interval of event times is worth."""
+    """The printed interval of event times against the resolution of numbers at these times."""
     printed, gap = said("event interval"), min(stop.gap for stop in paper_joint().stops)
     speeds = [fastest_impact(solver) for solver in (analytic.Solver(), fe_lapjoint.Solver(elements=16))]
     travel = [speed * printed["printed"] for speed in speeds]

@@ -26,7 +26,7 @@ Peaks = dict[float, tuple[Peak, Peak]]
 
 
 def peak_entries(curves: Figure4, level: Level, say: Say) -> list[Entry]:
-    """All of them."""
+    """Positions, offsets and ratios of all peaks, and the axis."""
     peaks: Peaks = {}
     for near in NEAR:
         _, exact, fe = solve_peak(near, level)

@@ -18,7 +18,7 @@ Numbers = Mapping[str, float]
 
 
 class Ruling(Enum):
-    """What becomes of a claim."""
+    """Ruling on a claim."""
 
     CONFIRMED = "confirmed"
     MISPRINT = "misprint"
@@ -58,7 +58,7 @@ def _both(numbers: Numbers, name: str) -> tuple[float, float]:
 
 
 def _decided(here: bool, there: bool, yes: Ruling, no: Ruling) -> Ruling:
-    """What both solvers say; undecidable where they say different things."""
+    """Ruling of both solvers; undecidable where they differ."""
     if here != there:
         return Ruling.UNDECIDABLE
     return yes if here else no
@@ -215,7 +215,7 @@ RULES = {
     "phase lag": Rule(f"within {IN_PHASE:g} degrees of pi, and {AS_LARGE:.0%} of the base's amplitude", _repeats),
     "enough modes": Rule(f"no more than {NEARLY_ALL:.0%} of the curve off by 1 % of the largest impulse", _enough),
 }
-"""By kind of claim, the first part of its key."""
+"""Rules by kind of claim, the first part of its key."""
 
 
 def rule_of(key: str) -> Rule:

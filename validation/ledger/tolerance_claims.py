@@ -6,16 +6,15 @@ import numpy as np
 
 import analytic
 from lapjoint import FREE, History, paper_joint
-from validation.ledger.entry import Entry, said
+from validation.ledger.entry import TIP, Entry, said
 
 FREQUENCIES = (515.0, 820.0, 2060.5, 2950.0)  # The peaks, and a window, of Figure 4, rad/s
 FEW, MANY = (8, 5), (30, 20)
 KINDS = ("free", "contact")
-TIP = 2.5  # Position of the tip, m from the root
 
 
 def tolerance_entries() -> list[Entry]:
-    """Both tolerances against what more modes change."""
+    """Both tolerances against the change by more modes."""
     changes: dict[str, list[float]] = {kind: [] for kind in KINDS}
     for omega in FREQUENCIES:
         few, many = (

@@ -1,4 +1,4 @@
-"""The motion that Figure 4 shows, followed through the windows of the paper: what happens between points of a sweep."""
+"""The motion that Figure 4 shows, followed through the windows of the paper, between the points of a sweep."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HARMLESS = "grazing"
 
 @dataclass(frozen=True)
 class Window:
-    """What the branches of one solver do in a window."""
+    """Bifurcations and motions of one solver's branches in a window."""
 
     changes: int
     """Bifurcations in it, grazes left out, and motions in and next to it that are unstable or of another period."""
@@ -32,7 +32,7 @@ class Window:
 
     @property
     def words(self) -> str:
-        """What stands in the table."""
+        """The text for the table."""
         if not self.changes and not self.broken:
             return "followed through it: one branch of stable, symmetric motions without a bifurcation"
         return f"followed through it: {self.changes} changes, {self.broken} of symmetry"
@@ -45,7 +45,7 @@ def window(solver: str, first: float, last: float) -> Window:
 
 
 def in_window(found: xr.Dataset, first: float, last: float) -> Window:
-    """What all branches over the excitation frequency do between `first` and `last`, rad/s."""
+    """Bifurcations and motions of all branches over the excitation frequency between `first` and `last`, rad/s."""
     omega, number = found.angular_frequency.values, found.branch.values
     changes = broken = 0
     through = False

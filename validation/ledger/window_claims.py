@@ -11,7 +11,7 @@ import fe_lapjoint
 from lapjoint import BaseMotion, Outcome, SteadyState, paper_joint
 from lapjoint.answers.steady_state import ComplexArray
 from validation.ledger.curves import PUBLISHED, Curve, Figure4, at
-from validation.ledger.entry import Entry, said
+from validation.ledger.entry import TIP, Entry, said
 from validation.ledger.rules import EVEN
 from validation.ledger.window_branches import window
 
@@ -20,11 +20,10 @@ APERIODIC = (1398.0, 1398.5, 1399.0)  # Frequencies at which the paper finds ape
 ASYMMETRIC = (2060.0, 2060.5, 2061.0, 2160.0, 2160.5, 2161.0)
 """Frequencies at which the paper finds one-sided motions, rad/s."""
 TOUCHED = 1.0  # Least tip impulse that counts as contact, N s
-TIP = 2.5  # Position of the tip, m from the root
 
 
 def window_entries(curves: Figure4) -> list[Entry]:
-    """All of them."""
+    """All claims about windows."""
     return [
         low_frequencies(curves),
         step(),

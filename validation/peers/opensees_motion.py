@@ -59,7 +59,7 @@ def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
 
 
 def history_of(problem: Problem, name: str, record: Record) -> History:
-    """A record as the History that everybody reads."""
+    """A record as a History."""
     stops = range(len(problem.stops))
     contacts = sorted((c for k in stops for c in contacts_of(problem, k, record)), key=lambda c: c.start)
     switches = sorted(

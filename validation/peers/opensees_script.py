@@ -25,16 +25,16 @@ _SPRINGS = 10_000  # First tag of springs and of their ground nodes
 
 @dataclass(frozen=True)
 class Record:
-    """What was recorded at every step: displacements and slopes of all nodes, and their rates."""
+    """Displacements and slopes of all nodes at every step, and their rates."""
 
     nodes: FloatArray
     """Positions, m, shape ``(n,)``."""
     times: FloatArray
-    """s, shape ``(m,)``."""
+    """Times of the steps, s, shape (m,)."""
     values: FloatArray
     """Displacements, m, and slopes, rad, shape ``(m, n, 2)``."""
     rates: FloatArray
-    """Their rates, m/s and rad/s, shape ``(m, n, 2)``."""
+    """Rates of displacements and slopes, m/s and rad/s, shape (m, n, 2)."""
 
 
 def mesh(problem: Problem, elements: int) -> FloatArray:

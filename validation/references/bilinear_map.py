@@ -93,17 +93,17 @@ class OneContact:
     """A motion with one contact in its pieces; time counts from the start of the contact."""
 
     duration: float
-    """Of the contact, s."""
+    """Duration of the contact, s."""
     amplitude: float
-    """Of the base, Y, m."""
+    """Amplitude Y of the base, m."""
     phase: float
-    """Of the load where the contact begins, rad."""
+    """Phase of the load where the contact begins, rad."""
     start: Array
     """(u, u') at the start of the contact, m and m/s, shape ``(2 n,)``."""
     end: Array
     """(u, u') at its end, shape ``(2 n,)``."""
     multipliers: tuple[complex, ...]
-    """Over its pieces, by falling modulus: over half a period for one that mirrors itself."""
+    """Multipliers over the pieces, by falling modulus: over half a period for a mirrored motion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,17 +111,17 @@ class BilinearMap:
     """The system under a load of one frequency, and its motions with one contact in `periods` of it."""
 
     free: Piece
-    """Without contact."""
+    """The system without contact."""
     pressed: Piece
-    """In contact."""
+    """The system in contact."""
     lever: float | Array
     """N: displacement at the stop by each coordinate, shape ``(n,)``."""
     gap: float
-    """m."""
+    """Gap of the stop, m."""
     load: float | Array
     """G, kg, shape ``(n,)``: the force's amplitude is G Y omega^2."""
     omega: float
-    """rad/s."""
+    """Frequency of the load, rad/s."""
     periods: int = 1
     mirrored: bool = False
     """Whether the motions mirror themselves between two equal stops, in one period."""
@@ -203,7 +203,8 @@ class BilinearMap:
         return at
 
     def _jumps(self, states: Array, sign: int) -> Array:
-        """What becomes of deviations at a switch of each state: what is early has the other side's damping longer."""
+        """Jump of deviations at a switch of each state: an early switch has the damping of the other side for
+        longer."""
         size, n = states.shape[1], self.free.count
         change = np.atleast_2d(self.free.damping) - np.atleast_2d(self.pressed.damping)
         force = sign * np.linalg.solve(np.atleast_2d(self.free.mass), change @ states[:, n:].T).T
@@ -250,11 +251,11 @@ class BilinearMap:
 
     @cached_property
     def stations(self) -> list[OneContact]:
-        """Motions of all durations, whether or not they are."""
+        """Motions of all durations of contact, whether or not they exist."""
         return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
-        """The motions of least or largest amplitude, of those beside them."""
+        """The existing motions of least or largest amplitude among their neighbours."""
         found = []
         for a, b, c in zip(self.stations, self.stations[1:], self.stations[2:], strict=False):
             sign = 1.0 if b.amplitude < min(a.amplitude, c.amplitude) else -1.0
@@ -269,7 +270,7 @@ class BilinearMap:
         return found
 
     def flips(self) -> list[OneContact]:
-        """The motions with a multiplier of -1; of those that mirror themselves, where the symmetry breaks."""
+        """The motions with a multiplier of -1, where the symmetry of mirrored motions breaks."""
         return self._roots(lambda motion: float(np.prod(1 + np.array(motion.multipliers)).real))
 
     def neimark_sackers(self) -> list[OneContact]:
@@ -303,6 +304,6 @@ class BilinearMap:
 
 
 def _on_circle(multipliers: Sequence[complex]) -> bool:
-    """Whether that whose modulus is nearest to one is not real."""
+    """Whether the multiplier whose modulus is nearest to one is complex."""
     nearest = min(multipliers, key=lambda one: abs(abs(one) - 1))
     return abs(nearest.imag) > _REAL * abs(nearest)

@@ -23,6 +23,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 DATA = Path(__file__).with_name("references.toml")
 Array = npt.NDArray[np.float64]
 
@@ -46,20 +48,17 @@ class Family:
     shapes: Array
     """Mass-normalised, at the points of the quadrature, kg^-1/2, shape ``(n, points)``."""
     tip: Array
-    """The same at the tip, shape ``(n,)``."""
+    """Mass-normalised shapes at the tip, kg^-1/2, shape (n,)."""
     static: Array
     """Static deflection at the points, m."""
     static_tip: float
-    """At the tip, m."""
+    """Static deflection at the tip, m."""
 
 
 def quadrature(modes: int) -> tuple[Array, Array]:
     """Points and weights along the beam, m, shape (points,) each: eight points to each half wave of the highest
     mode."""
-    x, w = np.polynomial.legendre.leggauss(8)
-    edges = np.linspace(0.0, LENGTH, modes + 2)
-    half = np.diff(edges)[:, None] / 2
-    return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    return gauss_panels(np.linspace(0.0, LENGTH, modes + 2), 8)
 
 
 def family(spring: float, modes: int) -> Family:
@@ -107,11 +106,11 @@ class Stay:
     state: Family
     closed: bool
     start: float
-    """s."""
+    """Start of the stay, s."""
     a: Array
     """Modal coordinates at its start, about the static deflection, kg^1/2 m."""
     b: Array
-    """Their rates over omega."""
+    """Modal velocities at its start over omega, kg^1/2 m."""
 
     def q(self, s: float) -> Array:
         """Modal coordinates `s` seconds after the start of the stay, kg^1/2 m, shape (n,)."""

@@ -19,6 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 _REACH = 9.0  # Range in standard deviations of the motion without stops: the density beyond is below 1e-17
 
@@ -55,9 +57,7 @@ class Gibbs:
         reach = _REACH * self.speed / self.omega
         inner = np.clip([-self.bottom[0], self.top[0]], -reach, reach)
         edges = np.unique(np.concatenate([np.linspace(-reach, reach, 2001), inner]))
-        x, w = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+        return gauss_panels(edges, 8)
 
     def mean(self, power: int) -> float:
         """The mean of u^power, m^power."""
@@ -66,7 +66,7 @@ class Gibbs:
         return float((w * p) @ u**power / (w @ p))
 
     def probability(self, low: float, high: float) -> float:
-        """The part of the time that the displacement is between two levels."""
+        """The share of time in which the displacement is between two levels, m."""
         u, w = self._grid()
         p = w * np.exp(-self.potential(u) / self.speed**2)
         whole = float(p.sum())
@@ -75,11 +75,8 @@ class Gibbs:
         edges = np.unique(
             np.concatenate([np.linspace(low, high, 401), np.clip([-self.bottom[0], self.top[0]], low, high)])
         )
-        x, g = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        points = (edges[:-1, None] + half) + half * x
-        inside = np.exp(-self.potential(points.ravel()) / self.speed**2)
-        return float((half * g).ravel() @ inside) / whole
+        points, weights = gauss_panels(edges, 8)
+        return float(weights @ np.exp(-self.potential(points) / self.speed**2)) / whole
 
     def upcrossings(self, level: float) -> float:
         """Rate at which the displacement crosses a level, m, upwards, 1/s."""

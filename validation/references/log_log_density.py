@@ -1,6 +1,6 @@
 """A density that is straight between breakpoints on paper with two logarithmic scales, by numpy alone.
 
-Its integrals are Gauss sums over the logarithm of the frequency, of which the integrand is a smooth exponential between
+Its integrals are Gauss sums over the logarithm of the frequency: the integrand is a smooth exponential between
 breakpoints.
 """
 
@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from validation.references.panels import gauss_panels
 
 Array = npt.NDArray[np.float64]
 
@@ -36,7 +38,6 @@ class LogLogDensity:
         edges = np.log([f for f, _ in self.breakpoints])
         edges = np.concatenate([np.linspace(a, b, 41)[:-1] for a, b in itertools.pairwise(edges)])
         edges = np.append(edges, math.log(self.breakpoints[-1][0]))
-        x, w = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        f = np.exp(edges[:-1, None] + half + half * x).ravel()
-        return float((half * w).ravel() @ (f * ((2 * math.pi * f) ** (2 * rates) * self.at(f)) ** power))
+        logarithms, weights = gauss_panels(edges, 8)
+        f = np.exp(logarithms)
+        return float(weights @ (f * ((2 * math.pi * f) ** (2 * rates) * self.at(f)) ** power))

@@ -29,16 +29,17 @@ import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 
 _TERMS = 600  # Terms of the sum; the rests fall at least as n^-4, but for undamped waves from a jump of load
-_GAUSS = np.polynomial.legendre.leggauss(16)
 _PANELS = 400  # Panels of the quadrature of the initial shapes: less than two half waves of the highest sine each
 
 
 @dataclass(frozen=True, eq=False)
 class PinnedBeam:
-    """The beam of a problem file; what holds it is taken for pins at both ends."""
+    """The beam of a problem file; its supports are taken as pins at both ends."""
 
     tables: dict[str, Any]
     """The file, as `tomllib` reads it."""
@@ -110,7 +111,8 @@ class PinnedBeam:
         return found
 
     def _ramped(self, t: float, dt: int) -> Iterator[tuple[float | None, float, Array]]:
-        """Of each record: its place, the force at t or its t-derivative, and what moves besides the static answer."""
+        """Position of each record, its force at t or the t-derivative, and the modal coordinates besides the static
+        answer."""
         for place, knots, force in self._records:
             slope, passed = np.diff(force) / np.diff(knots), knots[:-1] <= t
             turns, begun = np.diff(slope, prepend=0.0)[passed], knots[:-1][passed]
@@ -156,9 +158,7 @@ class PinnedBeam:
     def _initial(self) -> tuple[Array, Array]:
         """Modal coordinates and rates at t = 0."""
         L, _, m = self._beam
-        edges = np.linspace(0.0, L, _PANELS + 1)
-        half = np.diff(edges)[:, None] / 2
-        x, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        x, w = gauss_panels(np.linspace(0.0, L, _PANELS + 1), 16)
         shapes = math.sqrt(2 / (m * L)) * np.sin(np.multiply.outer(self._n * math.pi / L, x))
         given = self.tables.get("initial", {})
 

@@ -21,7 +21,7 @@ class Source:
     edition: str
     """Edition, version or year."""
     address: str
-    """Where it is found: a DOI, an ISBN, a document's number, a file of this project."""
+    """Address of the source: a DOI, an ISBN, a document's number, a file of this project."""
     kind: Kind
     read: str
     """How the digits came here."""
@@ -46,7 +46,7 @@ class Printed:
     text: str
     unit: str
     place: str
-    """Where in the source."""
+    """Place in the source."""
     source: Source
 
     @property
@@ -56,7 +56,7 @@ class Printed:
 
     @property
     def half_unit(self) -> float:
-        """Half a unit of the last digit: what rounding leaves open."""
+        """Half a unit of the last digit: the uncertainty by rounding."""
         mantissa, _, power = self.text.lower().partition("e")
         return 0.5 * 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
 

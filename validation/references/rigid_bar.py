@@ -28,6 +28,8 @@ import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 Closed = frozenset[int]
 
@@ -35,7 +37,7 @@ _SAMPLES = 60
 """Samples of the gap functions in a period of the fastest mode or load: a contact longer than one is not missed."""
 _PERIODS = 2  # Such periods that are sampled together
 _CLOSE = 1e-15  # Tolerance of a switch, s: that of double precision
-_PANELS, _GAUSS = 4, np.polynomial.legendre.leggauss(12)  # Panels and Gauss points of a contact's quadrature
+_PANELS, _POINTS = 4, 12  # Panels and Gauss points of a contact's quadrature
 
 
 @dataclass(frozen=True)
@@ -44,9 +46,9 @@ class BarContact:
 
     stop: int
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
     """Time integral of the stop's spring force magnitude, N s; positive at the top, negative at the bottom."""
     peak: float
@@ -78,12 +80,12 @@ class RigidBar:
 
     @cached_property
     def length(self) -> float:
-        """m."""
+        """Length, m."""
         return float(self.tables["beam"]["length"])
 
     @cached_property
     def mass_per_length(self) -> float:
-        """kg/m."""
+        """Mass per length, kg/m."""
         return float(self.tables["beam"]["mass_per_length"])
 
     @cached_property
@@ -119,7 +121,7 @@ class RigidBar:
 
     @cached_property
     def uniform(self) -> Array:
-        """int N dx, m, shape ``(n,)``: what a force per unit length is multiplied by."""
+        """int N dx, m, shape (n,), by which a force per unit length is multiplied."""
         return self.length / 2 * np.ones(self.M.shape[0])
 
     @cached_property
@@ -144,7 +146,8 @@ class RigidBar:
 
     @cached_property
     def period(self) -> float:
-        """Excitation period, s: that of the lowest frequency in the file, of which all others are whole multiples."""
+        """Excitation period, s, of the lowest frequency in the file, of which all other frequencies are whole
+        multiples."""
         parts = [self.tables.get("base_motion", {}), *self.tables.get("point_loads", ())]
         return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
@@ -292,7 +295,7 @@ class RigidBar:
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
         inertia = self.mass_per_length * (a + modes @ (2 * decay * (modes.T @ self.M @ v)))  # damping with it
-        places, weights = _GAUSS
+        places, weights = np.polynomial.legendre.leggauss(_POINTS)
         half = (self.length - x) / 2
         s = x + half * (1 + places)
         total = -float(half * weights * (s - x) @ (self.N(s) @ inertia))
@@ -343,7 +346,7 @@ class BarMotion:
 
     @cached_property
     def contacts(self) -> tuple[BarContact, ...]:
-        """All contacts, by start; those that the ends of the motion cut are cut."""
+        """All contacts, by start; the ends of the motion cut the contacts that last beyond them."""
         found = [c for k in range(len(self.bar.stops)) for c in self._contacts_of(k)]
         return tuple(sorted(found, key=lambda contact: contact.start))
 
@@ -369,9 +372,7 @@ class BarMotion:
     def _contact(self, k: int, flows: list[Flow]) -> BarContact:
         stop, area, deepest = self.bar.stops[k], 0.0, 0.0
         for flow in flows:
-            edges = np.linspace(flow.start, flow.end, _PANELS + 1)
-            half = np.diff(edges)[:, None] / 2
-            t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+            t, w = gauss_panels(np.linspace(flow.start, flow.end, _PANELS + 1), _POINTS)
             area += float(self.bar.gap_function(k, flow.motion(t, 0)) @ w)
             deepest = max(deepest, self._deepest(k, flow))
         force = stop["stiffness"] * area * stop["sign"]
@@ -383,7 +384,7 @@ class BarMotion:
         def speed(s: float) -> float:
             return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0])
 
-        t = np.linspace(flow.start, flow.end, _PANELS * _GAUSS[0].size)
+        t = np.linspace(flow.start, flow.end, _PANELS * _POINTS)
         v = self.bar.rows[k] @ flow.motion(t, 1)
         turns = [brentq(speed, t[i], t[i + 1], xtol=_CLOSE) for i in np.flatnonzero(v[:-1] * v[1:] < 0)]
         return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())

@@ -1,6 +1,6 @@
-"""Steady states of a rigid bar between stops: where its motion closes, and what becomes of deviations from it.
+"""Steady states of a rigid bar between stops: closed motions, and the fate of deviations from them.
 
-Marches alone are asked, and derivatives are taken by differences, so that nothing is shared with the search on trial.
+Only marches and finite differences are used, so that nothing is shared with the search on trial.
 """
 
 from __future__ import annotations

@@ -19,6 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from validation.references.panels import gauss_panels
+
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -80,9 +82,7 @@ class ShakenCantilever:
         """Gauss points and weights, Hz: intervals a fifth of the width of a resonance at most."""
         width = self.damping / self.mass / (2 * np.pi)  # Hz, of each resonance at half its power
         edges = np.linspace(low, high, max(int(np.ceil(5 * (high - low) / width)), 200) + 1)
-        x, w = np.polynomial.legendre.leggauss(8)
-        half = np.diff(edges)[:, None] / 2
-        return ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+        return gauss_panels(edges, 8)
 
 
 def _exponentials(b: ComplexArray, s: Array, derivative: int) -> ComplexArray:

@@ -1,8 +1,8 @@
 """Statistics of a motion summed up in the plainest way: densely and evenly, by numpy and scipy alone.
 
-The motion is given as samples and as a list of its contacts; what the project keeps in stretches, and adds up in
-streams, is all there at once.  Intervals are those of the textbooks: Student's t over batches, of the reciprocal root
-where a number is never negative, and Garwood's for counts (Biometrika 28, 1936).
+The motion is given as samples and as a list of its contacts, all at once; the project keeps it in stretches and adds up
+streams.  Intervals are those of the textbooks: Student's t over batches, of the reciprocal root where a number is never
+negative, and Garwood's for counts (Biometrika 28, 1936).
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ class Touch:
     stop: int
     """Index of the stop."""
     start: float
-    """s."""
+    """Start, s."""
     end: float
-    """s."""
+    """End, s."""
     impulse: float
-    """N s."""
+    """Impulse, N s."""
     peak: float
     """Largest force, N."""
     speed: float
-    """Towards the stop when it begins, m/s."""
+    """Speed towards the stop at the start of the contact, m/s."""
 
 
 def scatter(values: Array, step: float, spacing: float) -> tuple[float, float]:

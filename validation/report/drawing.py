@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = {"analytic": PALETTE[0], "fe": PALETTE[1], "paper": "#666666", "third": PALETTE[2]}
-"""Who gave a number, by colour."""
+"""Colours by the origin of a number."""
 
 
 def draw(title: str, paint: Callable[[Axes], object], *, width: float = PAGE_WIDTH, height: float = 3.4) -> Drawing:

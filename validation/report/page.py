@@ -1,4 +1,4 @@
-"""The page for people: what of each case is shown, in which order, under which anchors."""
+"""The page for people: the contents of each case, their order, and their anchors."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ PRINT_SCRIPT = (
     "if(!e)return;for(let d=e;d;d=d.parentElement)if(d.tagName==='DETAILS')d.open=true;e.scrollIntoView()};"
     'addEventListener("hashchange",show);addEventListener("DOMContentLoaded",show);'
 )
-"""Opens the folded cases for printing, and what holds the target of a link, in browsers that do not by themselves."""
+"""Opens the folded cases for printing, and the case that holds the target of a link, in browsers that do not do so
+themselves."""
 PICTURED = ("ledger", "steady", "transient")
 """Cases whose first figure may stand on the first screen, the best first."""
 
@@ -37,12 +38,12 @@ _DOES = {Verdict.AGREE: "agree", Verdict.EXPLAINED: "differ for a named reason",
 
 @dataclass(frozen=True)
 class Finding:
-    """What differs, and why: items that share an explanation."""
+    """Items that do not agree, and share an explanation."""
 
     verdict: Verdict
     explanation: str
     items: tuple[tuple[str, Check | Criterion], ...]
-    """Each with the anchor of its row."""
+    """Items, each with the anchor of its row."""
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,12 @@ class View:
 
     @cached_property
     def checks(self) -> list[tuple[str, Check]]:
-        """Checks with their anchors, what needs attention first."""
+        """Checks with their anchors, disagreements first."""
         return [(f"{self.anchor}-check-{i + 1}", c) for i, c in _worst_first(self.result.checks)]
 
     @cached_property
     def criteria(self) -> list[tuple[str, Criterion]]:
-        """Criteria with their anchors, what needs attention first."""
+        """Criteria with their anchors, disagreements first."""
         return [(f"{self.anchor}-criterion-{i + 1}", c) for i, c in _worst_first(self.result.criteria)]
 
     @cached_property
@@ -75,7 +76,7 @@ class View:
 
     @property
     def headline(self) -> str:
-        """What the case came to, in a line: its own words, or how many comparisons agree."""
+        """The result of the case in a line: its own words, or how many comparisons agree."""
         if self.result.headline:
             return self.result.headline
         found = [f"{self.counts[v]} {_DOES[v]}" for v in reversed(VERDICTS) if self.counts[v]]
@@ -87,14 +88,14 @@ class View:
         return counts(self.result)
 
     def evidence(self, verdict: Verdict) -> str:
-        """Anchor of what a count of verdicts stands for."""
+        """Anchor of the comparisons behind a count of verdicts."""
         if verdict is not Verdict.AGREE:
             return f"{self.anchor}-findings"
         return f"{self.anchor}-{'checks' if self.result.checks else 'criteria'}"
 
     @cached_property
     def tightest(self) -> tuple[str, Check] | None:
-        """The check closest to, or furthest beyond, what is allowed."""
+        """The check with the largest difference over the allowed one."""
         found = tightest(self.result)
         return next(((anchor, check) for anchor, check in self.checks if check is found), None)
 
@@ -191,7 +192,7 @@ def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
 
 
 def _answer(shown: Sequence[View]) -> Sheet | None:
-    """The numbers that a user's own problem was asked for: those of the steady state, or else of the first contacts."""
+    """The main numbers of a user's own problem: the steady state, or else the first contacts."""
     found = {view.result.name: sheet for view in shown for sheet in view.tables[:1] if sheet.rows}
     best = next((found[name] for name in PICTURED if name in found), None)
     return None if best is None else replace(best, title=f"{best.title}: both solvers")

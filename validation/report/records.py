@@ -14,7 +14,7 @@ from validation.report.table_files import Cell, Sheet
 from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
 
 VERDICTS = (Verdict.DISAGREE, Verdict.EXPLAINED, Verdict.AGREE)
-"""What needs attention comes first."""
+"""Verdicts in the order of the report, disagreements first."""
 
 
 def case_record(result: CaseResult) -> dict[str, Any]:
@@ -176,7 +176,7 @@ _SHOWN = 12
 
 
 def faults_sheet() -> Sheet:
-    """What each of the faults does that were put into the program, and what caught it: the last complete run."""
+    """Effect of each fault put into the program, and the check that caught it, by the last complete run."""
     from validation.faults.catalogue import CONTROL
     from validation.faults.record import recorded
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ast
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import cast
 
@@ -27,6 +29,27 @@ def test_a_fault_fits_the_source_once_and_leaves_it_valid(fault: Fault) -> None:
     changed = fault.put_into(TREE)
     compile(changed.source, changed.module, "exec")
     assert changed_names(source_of(TREE, changed.module), changed.source)
+
+
+@cache
+def _laid_out_otherwise(source: str) -> str:
+    """A source without comments, in other lines, and with docstrings that say something else."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and ast.get_docstring(node) is not None:
+            node.body[0] = ast.Expr(ast.Constant("Otherwise."))
+    return ast.unparse(tree)
+
+
+@pytest.mark.parametrize("fault", [*FAULTS, CONTROL], ids=lambda fault: fault.name)
+def test_a_fault_is_the_same_in_another_file_and_in_other_lines(fault: Fault, tmp_path: Path) -> None:
+    changed = fault.put_into(TREE)
+    package = changed.module.partition(".")[0]
+    (tmp_path / package / "elsewhere").mkdir(parents=True)
+    (tmp_path / package / "elsewhere/moved.py").write_text(_laid_out_otherwise(source_of(TREE, changed.module)))
+    moved = fault.put_into(tmp_path)
+    assert moved.module == f"{package}.elsewhere.moved"
+    assert ast.dump(ast.parse(moved.source)) == ast.dump(ast.parse(_laid_out_otherwise(changed.source)))
 
 
 def test_there_are_faults_of_many_kinds_in_both_solvers_and_the_ground() -> None:
@@ -85,6 +108,13 @@ def test_a_fault_fits_whatever_the_layout_the_docstring_and_the_file(
             "if not x:\n    ...",
             "if not x:\n            y()\n    ",
         ),
+        (
+            "if x:\n            y()\n        elif y:\n            z()",
+            "if y:\n    ...",
+            "if not y:\n    ...",
+            "y()\n        else:\n            if not y:\n                z()",
+        ),
+        ("return g()", "g(...)", "g(...) + g(...)", "return (g() + g())"),
     ],
 )
 def test_three_dots_stand_for_anything_and_statements_keep_their_indentation(
@@ -106,6 +136,20 @@ def test_three_dots_stand_for_anything_and_statements_keep_their_indentation(
 def test_a_fault_that_fits_not_once_names_itself_and_where_it_looked(source: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):
         _put_into(tmp_path, source)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[..., x, ...]", "[..., y, ...]", "stands 2 times"),
+        ("[..., y, ...]", "[..., y, ..., ...]", "fault some: `new` has more than the 2 `...` of `old`"),
+    ],
+)
+def test_three_dots_must_fit_in_one_way_and_stand_for_something(
+    old: str, new: str, message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        _put_into(tmp_path, METHOD.format("return [x, y, x]"), old, new)
 
 
 def test_the_record_fits_the_list_and_the_page_fits_the_record() -> None:
