@@ -1,32 +1,33 @@
-r"""How many modes are enough: a criterion, evaluated for the problem at hand.
+"""How many modes are enough: a criterion, evaluated for the problem at hand.
 
-With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  The error left
-is that their inertia is neglected: relative to the force of a closed stop of stiffness k,
+With the residual of `analytic.modes.static_residual` the modes i > N follow the loads quasi-statically.  The remaining
+error is the neglect of their inertia.  As a fraction of the force of a closed stop of stiffness k it is
 
     e_N = k sum_{i > N} Phi_i(x_stop)^2 / omega_i^2 . (omega_c / omega_N)^2
 
-The first factor is the share of the left-out modes in the compliance that the stop feels, the second the inertia
-neglected at the fastest frequency omega_c that drives the contact.  omega_c is the largest of three: the excitation's
-frequency (of a record its usual rate), the lowest elastic frequency with the stops closed, and the contact's own.  A
-beam that meets a stop with the speed v takes the modal speeds k Phi_i v / omega_i^2 from it.  The modes left out of the
-contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3, whose impulse, over that of the impact, is e_N with
+The first factor is the part of the left-out modes in the compliance at the stop, times k.  The second factor is the
+neglected inertia at the fastest frequency omega_c that drives the contact, the largest of three frequencies:
+the excitation's frequency (the usual rate of a record), the lowest elastic frequency with the stops closed, and the
+frequency of the contact itself.  A beam that meets a stop with the speed v takes the modal speeds k Phi_i v / omega_i^2
+from it.  The modes left out of the contact lack the force k^2 v sum Phi_i^2 sin(omega_i t) / omega_i^3.  The impulse of
+this force, divided by the impulse of the impact, is e_N with
 
     omega_c^2 = 4 k c / M,
 
-as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, as the error
-of one impact goes on into the next ones: c is 3.  Without a modal damping ratio, which damps the modes left out before
-the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's motion Y the
-beam is pressed rather than thrown against a stop: there c is the ratio of the two impulses, 2 sqrt(g / Y) with half the
-room for g, if this is below 3.  Both constants are measured, on random joints of one to four stops anywhere, 1 to
-1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
+as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, because the
+error of one impact is carried into the next impacts: c is 3.  Without a modal damping ratio, which damps the left-out
+modes before the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's
+motion Y the beam is pressed rather than thrown against a stop.  There c is the ratio of the two impulses, 2 sqrt(g /
+Y), with half the room for g, if the ratio is below 3.  Both constants are measured, on random joints of one to four
+stops anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
 
-A load that is there at once excites every mode, and inertia does not help: the left-out modes, at rest in truth, start
-from their equilibrium here.  For a step load the share of the left-out modes in the compliance at the load,
-sum_{i > N} Phi_i^2 / omega_i^2 over the sum of all, has to be small by itself.  For the inertia of a base that starts
-with an acceleration, their share in the largest deflection has to be small.  A sine or a record counts with its size
-at t = 0 over its largest.
+A load that is present at t = 0 excites every mode, and inertia does not help: the left-out modes start from their
+equilibrium here, although in truth they are at rest.  For a step load the compliance of the left-out modes at the load,
+sum_{i > N} Phi_i^2 / omega_i^2 divided by the sum over all modes, has to be small by itself.  For the inertia of a base
+that starts with an acceleration, the part of the left-out modes in the largest deflection has to be small.  A sine or a
+record counts with its size at t = 0 divided by its largest size.
 
-An initial shape that is not straight and still also asks that the modes hold all but a thousandth of it.
+An initial state other than the straight beam at rest also requires that the modes hold all but a thousandth of it.
 """
 
 from __future__ import annotations
@@ -47,11 +48,12 @@ from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
 _IMPACTS, _RINGING = 3.0, 2.0
-"""c of free impacts, and its factor where the modes left out ring on to the next one; see the module's head."""
+"""c of free impacts, and the factor on c where the left-out modes still ring at the next impact; see the module's
+head."""
 _DAMPED = 1e-3  # modal damping ratio from which they do not ring on: the least of the problems measured
 _POSITIONS = 33  # positions along the beam at which the deflection under a uniform load is looked at
 _SHAPE_REMAINDER = 1e-3
-"""Largest share of an initial shape, in the norm of its coordinates, that the modes may leave out."""
+"""Largest part of an initial shape that the modes may leave out, as a fraction of the norm of its coordinates."""
 
 
 def default_count(problem: Problem, tolerance: float) -> int:
@@ -68,7 +70,8 @@ def default_count(problem: Problem, tolerance: float) -> int:
 
 
 def truncation_error(problem: Problem, pool: int) -> FloatArray:
-    """e_N for N = 1 ... pool - 1, ``(pool - 1,)``, with sums cut at `pool` modes; of the two states the larger."""
+    """e_N for N = 1 ... pool - 1, ``(pool - 1,)``, with sums cut at `pool` modes: the larger of the values in both
+    states."""
     return _error(_criterion(problem), pool)
 
 
@@ -93,8 +96,8 @@ class _Criterion:
     contact_squares: tuple[float, ...]
     """omega_c^2 of each stop's own contacts, (rad/s)^2."""
     sudden: tuple[tuple[float | None, float, float], ...]
-    """Loads that are there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and their
-    size at t = 0 over the largest size that all loads at this position can have."""
+    """Loads that are already there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and
+    their size at t = 0 divided by the largest size that all loads at this position can have."""
 
 
 def _criterion(problem: Problem) -> _Criterion:
@@ -125,7 +128,7 @@ def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
 
 
 def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
-    """omega_c^2 of a contact's own, (rad/s)^2."""
+    """omega_c^2, (rad/s)^2, of the contacts of a stop, 4 k c / M of the module's head; `ringing` is the factor on c."""
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.x == stop.x and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
@@ -156,10 +159,11 @@ class _SuddenAnswer:
     square: FloatArray
     """omega_i^2, (rad/s)^2, shape ``(pool,)``."""
     left_out: FloatArray
-    """The most that the modes from each on may sum to, m for a unit load, shape ``(pool - 1,)``."""
+    """Bound on the sum of all modes above each N, m for a unit load, shape ``(pool - 1,)``."""
 
     def error(self, omega: float) -> FloatArray:
-        """Share of the left-out modes in the largest deflection, ``(pool - 1,)``, under a load of `omega`, rad/s."""
+        """Left-out modes' part of the largest deflection under a load of `omega`, rad/s, as a fraction, ``(pool -
+        1,)``."""
         slowed = np.maximum(self.square, omega**2)  # inertia makes the answer of the modes below it smaller
         most = np.abs((1 / np.where(slowed > 0, slowed, np.inf)) @ self.parts).max()
         return np.asarray(self.left_out / (most + np.finfo(float).tiny))
@@ -172,9 +176,9 @@ class _ModalSums:
     elastic: float
     """The lowest elastic frequency with the stops closed, rad/s."""
     contacts: FloatArray
-    """e_N over omega_c^2 of each stop, s^2, shape ``(stops, pool - 1)``."""
+    """e_N divided by omega_c^2, for each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
-    """e_N over the square of the fastest frequency of what answers the loads, s^2, shape ``(pool - 1,)``."""
+    """e_N divided by the square of the fastest frequency of the response to the loads, s^2, shape ``(pool - 1,)``."""
     starts: dict[float | None, tuple[_SuddenAnswer, _SuddenAnswer]]
     """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
 
@@ -198,7 +202,8 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
 
 
 def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
-    """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop, without unit, of one state, shape ``(stops, modes - 1)``."""
+    """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop of stiffness k, without unit, in one state, ``(stops, modes -
+    1)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
     stiffness = np.array([stop.stiffness for stop in problem.stops])
     share = stiffness[:, None] * modes.shapes(np.array([stop.x for stop in problem.stops])).T ** 2 / omega**2
@@ -206,7 +211,10 @@ def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
 
 
 def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
-    """Shares, ``(..., modes - 1)``, over omega_N^2, s^2; infinite for rigid-body modes, which are never left out."""
+    """Shares of left-out modes in a compliance, ``(..., modes - 1)``, divided by omega_N^2, s^2.
+
+    They are infinite for rigid-body modes, which are never left out.
+    """
     square = modes.omega[:-1] ** 2
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 

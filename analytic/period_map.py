@@ -49,7 +49,8 @@ class PeriodMap:
     """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.
 
     Section points, and deviations from them, hold (q, v) in the modes of their contact state.  The modes of the next
-    state cannot carry the whole motion, so the map jumps, by truncation, where the order of two switches changes.
+    state cannot carry the whole motion.  The map therefore jumps, by truncation, where the order of two switches
+    changes.
     """
 
     joint: Joint
@@ -231,7 +232,7 @@ class PeriodMap:
 
 
 def _passed_on(S: FloatArray, deviations: FloatArray) -> FloatArray:
-    """Deviations (dq, dv) as columns, carried over to the modes of another state."""
+    """Deviations (dq, dv), as columns, in the modes of another state; `S` is the linear part of the passage."""
     n = deviations.shape[0] // 2
     return np.concatenate([S @ deviations[:n], S @ deviations[n:]])
 
@@ -246,7 +247,7 @@ def _as_one(motions: list[March], period: float) -> March:
 
 
 def _later(log: Log, by: float) -> Log:
-    """The segments of a log, later by so many seconds."""
+    """The segments of a log with all times `by` seconds later."""
     return log._replace(start=log.start + by, end=log.end + by)
 
 

@@ -43,9 +43,9 @@ from lapjoint.orbits.compiled_intervals import Motion
 from lapjoint.problem import FloatArray, Problem
 
 _SEQUENCES = 256
-"""Number of contact sequences kept in flat form, those of a curve or two; each takes a kilobyte."""
+"""Number of contact sequences cached in flat form, about the number on one or two curves; each takes a kilobyte."""
 _NO_CHANGE = Change(0.0, np.zeros(0))
-"""No parameter changes the harmonics."""
+"""The change of an excitation that has no parameter."""
 
 
 class _FlatSequence(NamedTuple):
@@ -287,7 +287,8 @@ def _write(row: FloatArray, n: int, q: FloatArray, v: FloatArray) -> None:
 
 @njit_inner()
 def _free_rates(tables: Tables, slot: int, s: float, term: ComplexArray, poly: FloatArray, rates: FloatArray) -> None:
-    """Write d(q, v)/dt, ``(2 N,)``, without the forced motion, at the time `s` since the start, of `term`."""
+    """Write d(q, v)/dt, ``(2 N,)``, without the forced motion, `s` seconds after the start; `term` holds the terms
+    then."""
     n = tables.modes[slot]
     for i in range(n):
         rates[i], rates[n + i] = poly[i, 1] + 2 * s * poly[i, 2], 2 * poly[i, 2]
@@ -315,7 +316,7 @@ def _forced_rates(tables: Tables, slot: int, theta: ComplexArray, rates: FloatAr
 def _at_stop(
     tables: Tables, slot: int, u: int, theta: ComplexArray, q: FloatArray, row: FloatArray
 ) -> tuple[float, float]:
-    """Displacement at a position of stops, m, and its rate, m/s, while (q, v) less the forced motion stays.
+    """Displacement at a position of stops, m, and its rate, m/s, at fixed (q, v) less the forced motion.
 
     `row`, shape ``(2 N,)``, takes the derivatives of the displacement by (q, v), kg^-1/2.
     """
@@ -335,7 +336,7 @@ def _at_stop(
 
 @njit_inner()
 def _apply(row: FloatArray, sign: float, w: FloatArray, n: int, by_time: float, values: FloatArray) -> None:
-    """Write `sign` times a row's product with deviations `w`, and add `by_time` in the columns from `n` on."""
+    """Write `sign` times the product of a row with deviations `w`, and add `by_time` in the columns from `n` on."""
     for c in range(w.shape[1]):
         values[c] = sign * by_time if c >= n else 0.0
     for j in range(w.shape[0]):

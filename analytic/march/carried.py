@@ -16,7 +16,7 @@ from lapjoint.orbits.period_map import LEAST_GROWTH
 from lapjoint.problem import FloatArray
 
 _WITHIN_REACH = 1e100
-"""Largest size of a deviation that began with 1, kg^1/2 m: its square stays finite over one switch more."""
+"""Size of a deviation, kg^1/2 m, above which it is scaled back to 1: its square stays finite over one more switch."""
 
 
 @njit_called()
@@ -101,7 +101,7 @@ def advance_periods(
 
 @njit_inner()
 def _keep_within_reach(deviation: FloatArray, level: FloatArray, period: float) -> float:
-    """Scale a deviation, ``(2 N, 1)``, and its levels, ``(P, 1)``, whose size nears the ends of double precision.
+    """Scale a deviation, ``(2 N, 1)``, and its levels, ``(P, 1)``, if its size nears the limits of double precision.
 
     The deviation is scaled to a size of 1 kg^1/2 m, in place; the logarithm of the divisor is returned.
     """
@@ -130,7 +130,8 @@ def _rescale(deviation: FloatArray, period: float) -> float:
 
 @njit_inner()
 def _next_period(motion: Motion, penetration: FloatArray) -> None:
-    """Begin a period at the time 0, and add the old one's penetrations over time to `penetration`, m s, ``(P,)``."""
+    """Begin a period at the time 0, and add the penetrations, m s, of the previous period to `penetration`,
+    ``(P,)``."""
     for k in range(motion.total.size):
         penetration[k] += motion.total[k]
         motion.total[k] = 0.0

@@ -1,7 +1,7 @@
-r"""How the forced motion of a joint changes with a parameter of its excitation, at fixed phases.
+"""The change of the forced motion of a joint with a parameter of its excitation, at fixed phases.
 
-With the answer to the harmonics Im sum_h A_h exp(i theta_h) the displacements change by Im sum_h dA_h exp(i theta_h),
-and the velocities by what the frequencies do to their factors Omega_h besides.
+With the answer to the harmonics Im sum_h A_h exp(i theta_h) the displacements change by Im sum_h dA_h exp(i theta_h).
+The velocities have the factors Omega_h besides; where the parameter changes the frequencies, these factors change too.
 """
 
 from __future__ import annotations

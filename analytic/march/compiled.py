@@ -18,12 +18,12 @@ from lapjoint.compiled.arrays import put
 from lapjoint.compiled.compiling import njit_called, njit_inner
 
 DONE, MISSING_SWITCH, LOG_FULL, TOO_MANY, STUCK = 0, 1, 2, 3, 4
-"""Why a march came back: it is at its end; the tables lack a switch; the log has no room; there were too many switches;
+"""Why a march returned: it is at its end; the tables lack a switch; the log has no room; there were too many switches;
 a state took too many steps."""
 _FRESH = 1e-6
-"""Time, over the unit of time, within which a stop that has switched must leave its gap, or pass a threshold of
-rounding size, before it can switch again.  A switch is located to 1e-10 of the unit, and the shortest contacts found in
-grazing series last 5e-4 of it."""
+"""Time, as a fraction of the unit of time, after a switch of a stop in which the stop counts as fresh: it must leave
+its gap, or pass a threshold of rounding size, before it can switch again.  A switch is located to 1e-10 of the unit,
+and the shortest contacts found in grazing series last 5e-4 of it."""
 
 
 @njit_inner()

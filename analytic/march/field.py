@@ -30,13 +30,14 @@ class TimesInState(NamedTuple):
 
     state: ContactState
     here: IntArray
-    """Which of the times, shape ``(m,)``."""
+    """Indices of these times among all times asked for, shape ``(m,)``."""
     which: IntArray
-    """The segments, shape ``(m,)``."""
+    """Index of the segment that holds each time, shape ``(m,)``."""
     q: FloatArray
-    """q_i or a time derivative, kg^1/2 m over powers of s, shape ``(N, m)``."""
+    """q_i or a time derivative of q_i, kg^1/2 m divided by powers of s, shape ``(N, m)``."""
     sampled: FloatArray
-    """The sampled forces, or that derivative of theirs, N or N/m over powers of s, shape ``(R, m)``."""
+    """The sampled forces, or their time derivative of the same order, N or N/m divided by powers of s, shape ``(R,
+    m)``."""
 
 
 class _Latest(NamedTuple):

@@ -18,11 +18,12 @@ _SERIES = 22  # terms of these series: the next term is 2^22 4! / 26!, 3e-19 of 
 
 
 class Rigid(NamedTuple):
-    """What rigid-body modes add to z at ``U`` positions while the force on them is linear in time.
+    """Motion that rigid-body modes add to z at ``U`` positions while the force on these modes is linear in time.
 
-    Such a mode obeys q'' + drag q' = F + G s, so that its third derivative is j exp(-drag s) with j = G - drag q''(0):
-    beside the polynomial of q, q', q'' at s = 0 it moves by j times a fading power, `fading_powers`.  That stays exact
-    for a drag that is small, or 0, where the sum of exp(-drag s) and a polynomial is a difference of huge numbers.
+    A rigid-body mode obeys q'' + drag q' = F + G s, so that its third derivative is j exp(-drag s) with j = G - drag
+    q''(0).  Beside the polynomial of q, q', q'' at s = 0 the mode moves by j times a fading power, `fading_powers`.
+    The fading power stays exact for a drag that is small, or 0, where the sum of exp(-drag s) and a polynomial is a
+    difference of huge numbers.
     """
 
     jerk: FloatArray
@@ -33,7 +34,7 @@ class Rigid(NamedTuple):
 
 @njit_called()
 def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, float]:
-    """exp(-drag s), and its integrals from 0 to s, once to four times: s^n / n! where there is no drag.
+    """exp(-drag s), and its integrals from 0 to s, taken once to four times; without drag they are s^n / n!.
 
     `drag`, 1/s, is 0 or more; the integrals are in s, s^2, s^3 and s^4.
     """

@@ -22,17 +22,17 @@ from lapjoint.problem import FloatArray
 
 @dataclass(frozen=True)
 class Growth(Periods):
-    """A motion over whole periods, and what became of a deviation from it."""
+    """A motion over whole periods, and the growth of a deviation from it."""
 
     penetrations: FloatArray
     """Time integral of each stop's penetration over each period, m s, shape ``(count, P)``."""
     slots: IntArray
     """State at the end of each period, as its slot, shape ``(count,)``."""
     coordinates: FloatArray
-    """q, kg^1/2 m, and v, kg^1/2 m/s, there, padded with 0, shape ``(count, 2, N)``."""
+    """q, kg^1/2 m, and v, kg^1/2 m/s, at the end of each period, padded with 0, shape ``(count, 2, N)``."""
     growth: FloatArray
-    """Natural logarithm of the growth of the deviation in each period, at least that of `LEAST_GROWTH`, without unit,
-    shape ``(count,)``."""
+    """Natural logarithm of the growth of the deviation in each period, without unit, shape ``(count,)``; growth below
+    `LEAST_GROWTH` is replaced by `LEAST_GROWTH`."""
     deviation: FloatArray
     """The deviation (dq, dv) at the end, kg^1/2 m and kg^1/2 m/s, scaled to a size of 1 kg^1/2 m, shape ``(2 N,)``."""
 

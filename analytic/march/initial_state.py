@@ -23,9 +23,9 @@ from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, FloatArray, Problem
 
-TOUCHING = 1e-9  # relative: a closed stop pressed to so little less than its gap stays closed; rounding is 1e-13
+TOUCHING = 1e-9  # relative shortfall of a closed stop below its gap up to which it stays closed; rounding is 1e-13
 _AS_IT_WAS, _ANOTHER, _NOT_FINITE = 0, 1, 2
-"""Whether the gaps imply the contact state given, or another; or coordinates are not finite."""
+"""Results of `_settle`: the gaps imply the given contact state, or another one; or coordinates are not finite."""
 
 
 def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
@@ -127,7 +127,8 @@ def _settle(
 
 
 def translated(joint: Joint, begin: Coordinates, state: ContactState) -> Coordinates:
-    """The motion, at a multiple of the period, in the modes of `state`; what they cannot hold is left out."""
+    """The motion, at a multiple of the period, in the modes of `state`; the part outside the span of these modes is
+    left out."""
     if state == begin.state:
         return begin
     return Coordinates(state, *carried_over(joint, begin.state, state, begin.q, begin.v))
@@ -138,8 +139,8 @@ def carried_over(
 ) -> tuple[FloatArray, FloatArray]:
     """Coordinates ``(..., n_old)`` in `old`, at a multiple of the period, in the modes of `new`, ``(..., n_new)``.
 
-    `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are those of one motion or of many.  What the modes of `new` cannot hold is left
-    out.
+    `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are the coordinates of one motion or of many.  The part of the motion outside
+    the span of the modes of `new` is left out.
     """
     passage, theta, omega = joint.passage(old, new), joint.harmonics.theta(0.0), joint.harmonics.omega
     left_out = np.concatenate([[1.0], np.sin(theta)]) @ passage.residual

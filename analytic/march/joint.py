@@ -39,7 +39,7 @@ from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
 _FEW_POSITIONS, _MOST_KEPT = 64, 256
-"""Largest number of positions for which shapes are kept, and largest number of shapes kept: 3 MB with 20 modes."""
+"""Largest number of positions for which shapes are kept, and largest number of kept shapes: 3 MB with 20 modes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class DrivenProblem:
 
 
 def driven_problem(problem: Problem) -> DrivenProblem:
-    """A problem that is made already."""
+    """A `DrivenProblem` of a problem that exists already."""
     return DrivenProblem(loaded_structure(problem), excitation_of(problem), lambda: problem)
 
 
@@ -115,7 +115,7 @@ class Joint:
         return modal_state(self.loaded, state, self.count(state))
 
     def residual(self, state: ContactState) -> Residual:
-        """The residual shapes, m, of the 1 + H + R loads as they are: the constant load is first."""
+        """The residual shapes, m, of the 1 + H + R loads at their real size; the constant load is first."""
         return self.modal(state).residual.scaled(self.sizes)
 
     def shapes_at(self, state: ContactState, x: FloatArray, dx: int) -> FloatArray:
@@ -128,7 +128,7 @@ class Joint:
         return self._at_positions(("residual", state, x.tobytes(), dx), lambda: self.residual(state)(x, dx), x.size)
 
     def _at_positions(self, key: tuple[Any, ...], make: Callable[[], FloatArray], positions: int) -> FloatArray:
-        """Shapes made for a key before, if they are kept, or made now; shapes at few positions are kept."""
+        """The array that `make` gives, from the cache if `key` is in it; arrays at few positions are cached."""
         if positions > _FEW_POSITIONS:
             return make()
         found = self._kept_shapes.get(key)
@@ -139,7 +139,8 @@ class Joint:
         return found
 
     def passage(self, old: ContactState, new: ContactState) -> Passage:
-        """The map from one state to another, for the loads as they are; S0 and Sh are in kg^1/2 m."""
+        """The map of displacement and velocity from one state to another, for the loads at their real size; S0, Sh in
+        kg^1/2 m."""
         unit = passage(self.loaded, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
@@ -170,7 +171,7 @@ class Joint:
         return self._states[slot]
 
     def connect(self, slot: int, stop: int) -> None:
-        """Make the switch of a stop from the state in a slot known, and the way back."""
+        """Write the switch of a stop from the state in a slot, and the reverse switch, to the tables."""
         self._own()
         old = self._states[slot]
         new = old.toggled(stop)

@@ -21,9 +21,9 @@ class KnownStates:
     """A set of states, and of switches between them."""
 
     states: tuple[ContactState, ...] = ()
-    """Sorted."""
+    """The contact states, sorted."""
     switches: tuple[tuple[ContactState, int], ...] = ()
-    """State and stop of each switch, with the state in which the stop is open; the way back is included.  Sorted."""
+    """State and stop of each switch, sorted.  Each switch is listed in both directions."""
 
     @cached_property
     def slots(self) -> dict[ContactState, int]:
@@ -31,7 +31,8 @@ class KnownStates:
         return {state: slot for slot, state in enumerate(self.states)}
 
     def and_of(self, old: ContactState, stop: int) -> KnownStates:
-        """These states and switches, and the switch of a stop from `old`, with the states before and after it."""
+        """These states and switches, with the switch of a stop from `old`, and the states before and after it,
+        added."""
         new = old.toggled(stop)
         opened = new if stop in old else old
         return KnownStates(tuple(sorted({*self.states, old, new})), tuple(sorted({*self.switches, (opened, stop)})))

@@ -15,8 +15,9 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 
 _FEWER, _WORTH_IT = 0.75, 4
-"""Where deviations are replaced by units of the living modes: largest number of units, over the number of deviations,
-and least number of segments that follow.  To multiply the units out again takes as long as two switches."""
+"""Limits within which the deviations are replaced by units of the living modes: the largest number of units, as a
+fraction of the number of deviations, and the least number of segments that follow.  To multiply the units out again
+takes as long as two switches."""
 
 
 def carried_along(motion: March) -> FloatArray:
@@ -92,7 +93,8 @@ def _carry(
 
 @njit_inner()
 def _left_of(now: FloatArray, level: FloatArray, since: FloatArray, n: int, live: int) -> FloatArray:
-    """The amounts of the first `live` modes in deviations, and their `level`, ``(m,)``, shape ``(2 live + 1, n)``."""
+    """Amounts of the first `live` modes in the deviations, and then their `level`, ``(m,)``, shape ``(2 live + 1,
+    n)``."""
     left = zeros((2 * live + 1, now.shape[1]))
     put(left[2 * live], level)
     for j in range(live):

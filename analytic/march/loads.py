@@ -28,7 +28,7 @@ class Harmonics:
 
     @staticmethod
     def of_unit_frequency(count: int) -> Harmonics:
-        """Some harmonics of 1 rad/s and without phase, which stand for harmonics given later."""
+        """`count` harmonics of 1 rad/s and phase 0, placeholders for harmonics given later."""
         return Harmonics(np.ones(count), np.zeros(count))
 
     def theta(self, t: float) -> FloatArray:
@@ -61,10 +61,11 @@ def excitation_of(problem: Problem) -> Excitation:
 
 
 def unit_loads(problem: Problem, positions: Positions, state: ContactState, nodes: FloatArray) -> Loads:
-    """The loads in a contact state, those that are not constant of a size of 1 N/m or 1 N.
+    """The loads in a contact state; each load that is not constant has a size of 1 N/m or 1 N.
 
-    Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The others,
-    harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are those of the beam; every load acts at a node.
+    Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The other loads,
+    harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are the nodes of the beam; every load acts at a
+    node.
     """
     forces = np.zeros((1 + len(positions), nodes.size))
 

@@ -27,14 +27,14 @@ def advance_many(
 ) -> tuple[int, int]:
     """March many motions over `count` periods each, as `advance_periods` does, without deviations.
 
-    `begin` says at which index of `which`, ``(k,)``, to begin, and 1 if `motion` is on its way already, else 0.
-    `which` holds the rows that are marched.  `slots`, ``(S,)``, `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(S, N)``, are the
-    states and coordinates of all motions, changed in place.  `period` is in s.  `most` is the most switches of each
-    march until this comes back, and of all together until it comes back after one.  `motion` is room for one march, in
-    which the march is found that needs something of Python.
+    `which`, ``(k,)``, holds the rows that are marched.  `begin` holds the index of `which` to begin with, and 1 if
+    `motion` is already part of the way through this march, else 0.  `slots`, ``(S,)``, `q`, kg^1/2 m, and `v`, kg^1/2
+    m/s, ``(S, N)``, are the states and coordinates of all motions, changed in place.  `period` is in s.  The function
+    returns early when one march has made `most` switches, or when a march ends and all together have made more than
+    `most`.  `motion` is room for one march; if the march needs something of Python, `motion` holds it on return.
 
-    Returned are the reason to come back, see `DONE`, and the index of its march; where the reason is DONE, the index at
-    which to begin next.
+    Returned are the reason for returning, see `DONE`, and the index of the march concerned; if the reason is DONE, the
+    index to begin with next.
     """
     n = motion.q.size
     penetration, slot = zeros((1, motion.total.size)), int_zeros(0)

@@ -19,11 +19,11 @@ from lapjoint.machine.result_cache import bytes_in
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-MOST_SWITCHES = 1_000_000  # most switches of one march by default: half a million impacts, minutes of marching
-_ROOM = 256  # segments in the log before it is emptied: with 64, logs to be joined took 6 % of the time of a branch
+MOST_SWITCHES = 1_000_000  # default limit of switches of one march: half a million impacts, minutes of computing
+_ROOM = 256  # segments in the log before it is emptied: with 64, joining logs took 6 % of the time of a branch
 SWITCHES_AT_ONCE = 1000  # switches in one compiled call, half a second with 320 modes, so that Ctrl-C is heeded
 WITH_ALL_AT_ONCE = 100  # switches in one compiled call that carries all deviations, half a second with 320 modes
-_PART = 2000  # bytes that a piece of a motion takes beside its segments: a dozen arrays, and its end
+_PART = 2000  # bytes of a piece of a motion in addition to its segments: a dozen arrays, and its end
 _PROGRESS_PARTS = 50  # reports in a march without a log: one every two percent of the time
 
 
@@ -33,9 +33,9 @@ class Segment:
 
     state: ContactState
     start: float
-    """s."""
+    """Time at which the segment starts, s."""
     end: float
-    """s."""
+    """Time at which the segment ends, s."""
     q: FloatArray
     """Modal displacements at the start, kg^1/2 m, shape ``(N,)``."""
     v: FloatArray
@@ -106,10 +106,10 @@ def recorded(before: float, log: Log, times: float = 1) -> float:
 
 
 class Marching:
-    """A march that goes on from time to time, from `start`, s.
+    """A march that is advanced from one requested time to the next, from `start`, s.
 
-    The log is handed on after `room` segments; with 0, no segment is logged.  `depth` asks for the deepest penetration
-    of each contact.  After `max_switches` switches the march is given up.
+    Each full log of `room` segments is handed to the caller; with 0, no segment is logged.  `depth` asks for the
+    deepest penetration of each contact.  `SolverError` is raised after `max_switches` switches.
     """
 
     def __init__(
@@ -129,7 +129,7 @@ class Marching:
 
     @property
     def end(self) -> Coordinates:
-        """Where the march is."""
+        """Present state and coordinates of the march."""
         return ended(self._joint, self._motion)
 
     @property
@@ -138,7 +138,7 @@ class Marching:
         return self._motion.total.copy()
 
     def forget_switches(self) -> None:
-        """Count switches from here on."""
+        """Reset the count of switches to 0."""
         self._motion.counts[SWITCHES] = 0
 
     def logs_to(self, goal: float) -> Iterator[Log]:
@@ -177,7 +177,7 @@ def next_switches(motion: Motion, max_switches: int, at_once: int | None = None)
 
 
 def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
-    """A march at its beginning at the time `start`, s, for the compiled march to move along."""
+    """The `Motion` of a march that starts at the time `start`, s, which the compiled march advances in place."""
     slot = joint.slot(begin.state)
     motion = new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
     fastest = joint.flat(begin.state).omega.max(initial=0.0)
@@ -187,14 +187,14 @@ def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
 
 
 def ended(joint: Joint, motion: Motion) -> Coordinates:
-    """Where a march is, as a copy."""
+    """Present state and coordinates of a march, copied."""
     state = joint.state_in(int(motion.counts[SLOT]))
     n = joint.count(state)
     return Coordinates(state, motion.q[:n].copy(), motion.v[:n].copy())
 
 
 def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) -> None:
-    """Make a switch known that the tables lack, or raise `SolverError` if the march cannot go on."""
+    """Add to the tables a switch that they lack, or raise `SolverError` if the march cannot go on."""
     slot, t = int(motion.counts[SLOT]), float(motion.time[0])
     if status == MISSING_SWITCH:
         joint.connect(slot, int(motion.counts[PENDING]))
@@ -205,12 +205,12 @@ def settle_status(joint: Joint, motion: Motion, status: int, max_switches: int) 
 
 
 def copied(log: Log, logged: int) -> Log:
-    """The first segments of a log that is used again, as a copy."""
+    """A copy of the first `logged` segments of a log whose arrays are reused."""
     return Log._make([part[:logged].copy() for part in log])
 
 
 def joined(logs: list[Log]) -> Log:
-    """At least one log, in the order of time, as one."""
+    """One log of all segments of at least one log, given in the order of time."""
     if len(logs) == 1:
         return logs[0]
     return Log._make(np.concatenate(parts) for parts in zip(*logs, strict=True))

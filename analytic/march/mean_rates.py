@@ -56,9 +56,9 @@ def mean_rate_at_stop(
 ) -> tuple[float, float, float]:
     """The mean rate at position `u` of stops, m/s, over `d` seconds; its derivatives by duration and time, m/s2.
 
-    `theta`, ``(H,)``, `term`, ``(T,)``, and `poly`, ``(N, 3)``, are those at the start.  The derivative by the time of
-    the start is taken while (q, v) less the answer to the harmonics stays.  `row`, ``(2 N,)``, takes the derivatives by
-    (q, v) at the start, kg^-1/2 / s and kg^-1/2.
+    `theta`, ``(H,)``, `term`, ``(T,)``, and `poly`, ``(N, 3)``, are the values at the start.  The derivative by the
+    time of the start is taken at fixed (q, v) less the answer to the harmonics.  `row`, ``(2 N,)``, takes the
+    derivatives by (q, v) at the start, kg^-1/2 / s and kg^-1/2.
     """
     n, weight = tables.modes[slot], tables.weight[slot, u]
     value, by_duration, by_time = 0.0, 0.0, 0.0

@@ -45,12 +45,12 @@ _PASSAGES = 512  # passages kept, as a state of four stops can switch to four ot
 
 @dataclass(frozen=True, eq=False)
 class LoadedStructure:
-    """What problems share that differ in the size, the frequency and the phase of the excitation only."""
+    """The part of a problem that does not depend on the size, the frequency and the phase of the excitation."""
 
     problem: Problem
-    """The problem with the constant part of its loads alone, if it has any."""
+    """The problem with only the constant part of its loads."""
     positions: Positions
-    """Where the ``H`` harmonic loads act, and then the sampled ones."""
+    """Positions of the ``H`` harmonic loads, and then of the sampled loads."""
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
@@ -108,10 +108,10 @@ class Passage:
 
 
 def loaded_structure(problem: Problem, positions: Positions | None = None) -> LoadedStructure:
-    """The loaded structure of a problem: one object for all its problems, as long as it is kept.
+    """The loaded structure of a problem; problems that share it get the same object while it is cached.
 
-    `positions` says where the loads act that are not constant, m, or None for a uniform load; by default those of the
-    problem.
+    `positions` says where the loads that are not constant act, m, or None for a uniform load; the default is the
+    positions of the problem's loads.
     """
     if positions is None:
         forces = problem.forces

@@ -13,8 +13,8 @@ from lapjoint.compiled.by_reference import by_reference
 from lapjoint.problem import FloatArray
 
 SLOT, PENDING, SWITCHES, PERIODS = 0, 1, 2, 3
-"""The entries of `Motion.counts`: the slot; the stop that has yet to switch now, or NO_SWITCH; the number of switches
-made; the number of periods done."""
+"""Indices of `Motion.counts`: the slot; the stop that has yet to switch now, or NO_SWITCH; the number of switches made;
+the number of periods done."""
 NO_SWITCH = -1  # in place of a stop: no stop switches before the end
 NO_PROGRESS = -2  # in place of a stop: the steps ran out
 
@@ -60,7 +60,8 @@ class Motion(NamedTuple):
     v: FloatArray
     """Modal velocities, kg^1/2 m/s, shape ``(N,)``."""
     last_switch: FloatArray
-    """Time of each stop's last switch, s, ``(P,)``; if it lies ahead, the stop may not switch before."""
+    """Time of each stop's last switch, s, ``(P,)``.  If it is later than the present time, the stop may not switch
+    before it."""
     total: FloatArray
     """Time integral of each stop's penetration, m s, shape ``(P,)``."""
 
@@ -80,19 +81,20 @@ class Work(NamedTuple):
     area: FloatArray
     """Time integral of the penetration of each closed stop in the last segment, m s, shape ``(P,)``."""
     fresh: BoolArray
-    """Whether each stop switched just now, shape ``(P,)``."""
+    """Whether each stop has just switched, shape ``(P,)``; see `analytic.march.compiled`."""
     held: BoolArray
     """Whether each stop may not switch yet, shape ``(P,)``."""
 
 
 @lru_cache(maxsize=64)
 def no_log(modes: int, stops: int) -> Log:
-    """A log without room, to which nothing is ever written; kept, so that calls with the same arguments share it."""
+    """A log without room, to which nothing is ever written; cached, so that calls with the same arguments share it."""
     return new_log(0, modes, stops)
 
 
 def new_log(rows: int, modes: int, stops: int) -> Log:
-    """A log with room for segments of so many modes and stops, not filled, as each row is written as a whole."""
+    """A log with room for `rows` segments of `modes` modes and `stops` stops, uninitialised: each row is written as a
+    whole."""
     return Log(
         slot=np.empty(rows, dtype=np.int64),
         start=np.empty(rows),

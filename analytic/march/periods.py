@@ -33,15 +33,16 @@ class PeriodRecord(NamedTuple):
     """Arrays that `analytic.march.carried.advance_periods` writes, period by period."""
 
     penetration: FloatArray
-    """Each stop's penetration over time, m s, shape ``(rows, P)``; further periods are added to the last row."""
+    """Time integral of each stop's penetration, m s, shape ``(rows, P)``; periods beyond the rows are added to the last
+    row."""
     slots: IntArray
     """State at the end of each period, as its slot, shape ``(count,)`` or ``(0,)``."""
     coordinates: FloatArray
-    """q, kg^1/2 m, and v, kg^1/2 m/s, there, shape ``(count, 2, N)`` or ``(0, 2, N)``."""
+    """q, kg^1/2 m, and v, kg^1/2 m/s, at the end of each period, shape ``(count, 2, N)`` or ``(0, 2, N)``."""
 
 
 def room_for(motion: Motion, rows: int, count: int) -> PeriodRecord:
-    """Room for the penetrations of so many periods, and for so many section points."""
+    """Arrays for the penetrations of `rows` periods, and for `count` section points."""
     slots, coordinates = np.zeros(count, dtype=np.int64), np.zeros((count, 2, motion.q.size))
     return PeriodRecord(np.zeros((rows, motion.total.size)), slots, coordinates)
 
@@ -58,7 +59,8 @@ def march_on(
     max_switches: int = MOST_SWITCHES,
     at_once: int | None = None,
 ) -> FloatArray:
-    """March until `count` periods, s, are done, and carry deviations `now`, ``(2 N, m)``, along, which are returned.
+    """March until `count` periods of `period`, s, are done, and return the deviations `now`, ``(2 N, m)``, carried
+    along.
 
     The arguments are those of `analytic.march.carried.advance_periods`; at most `at_once` switches are made in one
     compiled call.
@@ -75,9 +77,10 @@ def march_on(
 def march_periods(
     joint: Joint, begin: Coordinates, period: float, count: int, *, max_switches: int = MOST_SWITCHES
 ) -> Periods:
-    """March over `count` periods, s, from the time 0, to the bits of as many calls of `march` from 0 to `period`.
+    """March over `count` periods of `period`, s, from the time 0; the result has the bits of `count` calls of `march`.
 
-    `SolverError` is raised where more than `max_switches` switches occur, or the march makes no progress.
+    Each of these calls would march from 0 to `period`.  `SolverError` is raised where more than `max_switches` switches
+    occur, or the march makes no progress.
     """
     motion = begun(joint, begin, 0.0)
     record, none = room_for(motion, 1, 0), np.zeros((2 * motion.q.size, 0))

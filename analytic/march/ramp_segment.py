@@ -131,10 +131,11 @@ def over_knot(
     term: ComplexArray,
     body: FloatArray,
 ) -> None:
-    """Let the slope of the forces change where interval `j` begins; the closed form before lasted `s` seconds.
+    """Change the slope of the forces at the knot where interval `j` begins; the closed form before it lasted `s`
+    seconds.
 
-    `theta`, ``(H,)``, is written; `term`, ``(T,)``, that of the end of the interval before, and `body`, that of its
-    start, are changed in place.
+    `theta`, ``(H,)``, is written.  `term`, ``(T,)``, holds the terms at the end of the interval before, and `body` the
+    rigid-body modes at its start; both are changed in place.
     """
     set_phases(tables, ramps.time[j], theta)
     move_body(ramps.drag[slot], s, body)
@@ -149,7 +150,7 @@ def over_knot(
 
 @njit_called()
 def move_body(drag: float, s: float, body: FloatArray) -> None:
-    """Move the rigid-body modes, of twice the damping rate `drag`, 1/s, on by `s` seconds without a knot, in place."""
+    """Advance the rigid-body modes, of twice the damping rate `drag`, 1/s, by `s` seconds without a knot, in place."""
     e0, e1, e2, e3, _ = fading_powers(drag, s)
     for b in range(2):
         x, y, a, jerk = body[b, 0], body[b, 1], body[b, 2], body[b, 3]
@@ -226,10 +227,11 @@ def polynomial_on_ramps(
 def carry_ramps(
     tables: Tables, ramps: RampTables, slot: int, stop: int, t: float, harmonics: int, q: FloatArray, v: FloatArray
 ) -> None:
-    """Add to `q` and `v`, ``(N,)``, what the left-out modes carry over a switch at `t`, s, under the ramps.
+    """Add to `q` and `v`, ``(N,)``, the part of the left-out modes that a switch at `t`, s, carries over under the
+    ramps.
 
-    `slot` is the state before the switch of `stop`; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are those after it.  See
-    `analytic.march.switching.switch`.
+    `slot` is the state before the switch of `stop`; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are the coordinates after it.
+    See `analytic.march.switching.switch`.
     """
     j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[tables.passage[slot, stop]]
     for r in range(ramps.slope.shape[1]):

@@ -25,7 +25,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
 LOGGED = 64
-"""Knots in a segment of the log at most, so that a motion is evaluated from a start that is not far back."""
+"""Largest number of knots in a segment of the log, so that a motion is evaluated from a start that is not far back."""
 _RIGID = 2  # most rigid-body modes of a beam: it moves, and it turns
 
 
@@ -36,9 +36,9 @@ class RampTables(NamedTuple):
     time: FloatArray
     """The knots, s, shape ``(K,)``."""
     force: FloatArray
-    """The forces there, N or N/m, shape ``(K, R)``."""
+    """The forces at the knots, N or N/m, shape ``(K, R)``."""
     slope: FloatArray
-    """How fast they change from there on, N/s or N/(m s), shape ``(K - 1, R)``."""
+    """Rate of the forces from each knot to the next, N/s or N/(m s), shape ``(K - 1, R)``."""
     spacing: float
     """The time between most knots, s; 0 where it differs from knot to knot."""
     whole: ComplexArray
@@ -52,13 +52,15 @@ class RampTables(NamedTuple):
     still: FloatArray
     """Displacement at the positions of the stops under the constant loads, rigid-body modes aside, m, ``(S, U)``."""
     gain_at_stops: FloatArray
-    """Quasi-static displacement there, residual included, m for each unit of load, shape ``(S, U, R)``."""
+    """Quasi-static displacement at the positions of the stops, residual included, m for each unit of load, ``(S, U,
+    R)``."""
     lag_at_stops: FloatArray
-    """Quasi-static displacement there, m for each unit of the load's rate, shape ``(S, U, R)``."""
+    """Part of the displacement at the positions of the stops that lags, m for each unit of the load's rate, ``(S, U,
+    R)``."""
     rigid: IntArray
     """The rigid-body modes, -1 for none, shape ``(S, 2)``."""
     drag: FloatArray
-    """Twice their damping rate, 1/s, shape ``(S,)``."""
+    """Twice the damping rate of the rigid-body modes, 1/s, shape ``(S,)``."""
     interval: IntArray
     """The interval between knots in which the march is, shape ``(1,)``; changed in place."""
     goes_on: BoolArray
@@ -83,9 +85,9 @@ class RampState:
         self._made: RampTables | None = None
 
     def move_to(self, t: float) -> float:
-        """Go on to the block of the time `t`, s, and give the time at which it ends, infinite for the last block.
+        """Go on to the block of samples that holds the time `t`, s; returns its end, s, infinite for the last block.
 
-        `t` is not before that of the last call.  A march up to the end of the block may take `tables` then.
+        `t` is not before the `t` of the last call.  A march up to the end of the block may then take `tables`.
         """
         block = self._blocks.block_at(t)
         if block is not self._block:

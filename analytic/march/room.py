@@ -11,19 +11,20 @@ from analytic.march.tables import PER_SLOT, PER_SWITCH, UNKNOWN, Tables
 from lapjoint.machine.memory import require
 
 _SPARE = 4
-"""Least number of slots, or rows for switches, added when all are taken.  Half as many as there are, if that is more:
-then all copies for new rows are at most three times as much as the final tables."""
+"""Least number of slots, or of rows for switches, added when all are taken.  If half of the present number is more,
+half is added: then all copies into new rows are at most three times as much as the final tables."""
 
 
 def with_spare(taken: int) -> int:
-    """A number of rows with some to spare beyond those `taken`."""
+    """A number of rows that leaves room for more beyond the `taken` ones."""
     return taken + max(_SPARE, taken // 2)
 
 
 def grown(tables: Tables, slots: int, switches: int) -> Tables:
-    """The tables with room for so many slots and switches; arrays that are large enough are shared with `tables`.
+    """The tables with room for `slots` slots and `switches` switches; arrays that are large enough are shared with
+    `tables`.
 
-    `SolverError` is raised where they would take too much memory; see `lapjoint.machine.memory`.
+    `SolverError` is raised where the tables would take too much memory; see `lapjoint.machine.memory`.
     """
     before, after = (_bytes(tables, *rows) for rows in (_rows(tables), (slots, switches)))
     modes = tables.kind.shape[1]
@@ -47,7 +48,7 @@ def _rows(tables: Tables) -> tuple[int, int]:
 
 
 def _bytes(tables: Tables, slots: int, switches: int) -> float:
-    """Bytes that tables like these take with so many slots and rows for switches."""
+    """Bytes of these tables with `slots` slots and `switches` rows for switches."""
     sizes = (
         rows * sum(part.itemsize * math.prod(part.shape[1:]) for part in map(tables.__getattribute__, names))
         for names, rows in ((PER_SLOT, slots), (PER_SWITCH, switches))

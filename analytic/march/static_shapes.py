@@ -17,7 +17,8 @@ from lapjoint.problem import FloatArray, StepLoad
 
 
 def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Static shapes of unit forces at `places`, m, ``(p,)``, on the joint without contact, which is held.
+    """Static shapes of unit forces at `places`, m, ``(p,)``, on the joint without contact, which has no rigid-body
+    mode.
 
     Given are the modal displacements in the ``n`` modes of `state` under each force, kg^1/2 m/N, ``(p, n)``, and the
     compliance, m/N, ``(p, p)``: the displacement at each place, in row i under the force at place i.
@@ -37,9 +38,10 @@ def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
 
 
 def free_energy(joint: Joint, state: ContactState) -> FloatArray:
-    """A of the energy e . A e / 2, J, of deviations e = (q, v) in a state's modes, free of contact, ``(2 n, 2 n)``.
+    """Matrix A, ``(2 n, 2 n)``, of the energy e . A e / 2, J, that deviations e = (q, v) have on the joint without
+    contact.
 
-    The joint without contact is held.
+    The deviations are in the ``n`` modes of `state`.  The joint without contact has no rigid-body mode.
     """
     modal = joint.modal(FREE)
     n = joint.count(state)

@@ -7,15 +7,15 @@ import math
 from lapjoint.compiled.compiling import njit_called, njit_inner
 
 RESOLUTION = 1e-10
-"""Length of a certified step, over the unit of time `analytic.march.tables.Tables.unit`, that counts as a switch.  At
-500 rad/s it is 2e-13 s, ten times the resolution of a double at 100 s."""
+"""Length of a certified step below which a switch is found, as a fraction of the unit of time
+`analytic.march.tables.Tables.unit`.  At 500 rad/s it is 2e-13 s, ten times the resolution of a double at 100 s."""
 SHARP = 1e-13
-"""Accuracy of a switch located by its last step, over the unit of time; `RESOLUTION` is for gap functions that nearly
-graze."""
+"""Accuracy of a switch located by its last step, as a fraction of the unit of time.  `RESOLUTION` is for gap functions
+that nearly graze."""
 _NEAR = 1e-9
 """Relative distance from a root at which Newton's method ends.  A step stays so far below the root, 1e7 roundings, that
 the sign of the cubic there is certain."""
-_LEAST = 1e-15  # first upper end of an interval that begins at 0, relative to the cubic's own times
+_LEAST = 1e-15  # first upper end of an interval that begins at 0, as a fraction of the cubic's own times
 _TINY = 1e-300  # s: keeps that upper end above 0
 
 
@@ -101,7 +101,7 @@ def _root_of_rise(h: float, h1: float, h2: float, b3: float) -> float:
 
 @njit_inner()
 def _root_from_below(h: float, h1: float, h2: float, b3: float, lo: float, hi: float) -> float:
-    """A time at most a thousandth below the root of a cubic that rises from `lo` to `hi`."""
+    """A time below the root of a cubic that rises from `lo` to `hi`, by at most a thousandth."""
     x = 0.5 * (lo + hi)
     for _ in range(60):
         value = h + x * (h1 + x * (h2 / 2 + x * b3 / 6))

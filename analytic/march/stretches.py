@@ -21,14 +21,16 @@ from analytic.march.motion import Log
 
 @dataclass(frozen=True)
 class StretchSize:
-    """How long stretches are, which changes no motion but by the rounding of a segment's end."""
+    """Size of the stretches; it changes no motion but by the rounding of a segment's end."""
 
     rows: int = 1024
-    """Least number of segments of a stretch but the last: 1 MB with 20 modes, a millisecond of work on its arrays."""
+    """Least number of segments of every stretch but the last: 1 MB with 20 modes, a millisecond of work on its
+    arrays."""
     room: int = 256
-    """Segments logged before the log is handed on."""
+    """Number of segments logged before the log is handed on."""
     steps: float = 16
-    """Longest tabulated steps, each about half a period of the beam, between two ends of stretches at equal times."""
+    """Time between two ends of stretches, where these are equally spaced, as a multiple of the first tabulated step,
+    which is about half a period of the beam."""
 
 
 STANDARD = StretchSize()
@@ -55,8 +57,8 @@ def stretches(logs: Iterator[Log], size: StretchSize) -> Iterator[Log]:
 def marched(joint: Joint, duration: float, size: StretchSize) -> Iterator[Log]:
     """The segments of the motion from the initial state to `duration`, s, for an excitation without a period.
 
-    They have the depths of contacts, and some end without a switch.  `SolverError` is raised where there are too many
-    switches between two such ends, or the march makes no progress.
+    The segments have the depths of contacts, and some end without a switch.  `SolverError` is raised where too many
+    switches occur between two segments that end without one, or the march makes no progress.
     """
     marching = Marching(joint, started(joint), 0.0, room=size.room, depth=True, max_switches=MOST_SWITCHES)
     step = np.inf if joint.sampled else size.steps * float(joint.tables.step[0])

@@ -1,12 +1,12 @@
 """The two rules by which a motion goes from one contact state to the next.
 
 The present solver projects the whole displacement, residual shapes included, on the modes of the next state.  The
-published scheme, see `analytic.published`, moves on only what is in the span of the modes: the rest of the
+published scheme, see `analytic.published`, carries on only the part in the span of the modes.  The rest of the
 displacement, R = z - sum Phi_i q_i, stands still until the next switch.  R is kept as coefficients over the modes of
-every state met, so its values at the stops are dot products.  They are summed in an order of the states that does not
-depend on which of them was met first, perhaps by another motion: a motion that never settles shows the last bit.
+every state met, so its values at the stops are dot products.  These are summed in an order of the states that does not
+depend on which state was met first, perhaps by another motion: a motion that never settles shows the last bit.
 
-The march takes a `Frozen` for the published rule, and None for the present one; numba compiles it once for each.
+The march takes a `Frozen` for the published rule, and None for the present rule; numba compiles it once for each.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ class Frozen(NamedTuple):
     rest: FloatArray
     """Coefficients of R over the modes of all states, kg^1/2 m, shape ``(S, N)``; changed in place."""
     cross: FloatArray
-    """S_ij of (43) from each state (second axis) to each (first), without unit, shape ``(S, S, N, N)``."""
+    """S_ij of (43) from the modes of each state (second axis) to the modes of each state (first axis), without unit,
+    shape ``(S, S, N, N)``."""
     order: IntArray
     """The slots in the order in which to sum over states, shape ``(states met,)``."""
 

@@ -41,8 +41,9 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 OCTAVES, PARTS = 16, 4
-"""Octaves of tabulated steps, and steps in each.  The first steps are 1, 5/4, 6/4 and 7/4 times sqrt(m / EI) L^2, about
-half a period of a cantilever's first mode; then come the halves of these, down to 3e-5 of the first step."""
+"""Octaves of tabulated steps, and steps in each octave.  The longest steps are 1, 5/4, 6/4 and 7/4 times sqrt(m / EI)
+L^2, about half a period of a cantilever's first mode; each further octave halves the steps, down to 3e-5 of the first
+step."""
 _FRACTIONS = (0.5 ** np.arange(OCTAVES)[:, None] * (1 + np.arange(PARTS) / PARTS)).ravel()
 _UNIT_TABLES = 32  # unit tables kept, a few for each structure as states become known; about 1 MB each with 20 modes
 _FLAT_STATES = 256  # flat states kept, as in `analytic.march.modal_state`; about 60 kB each with 20 modes
@@ -68,13 +69,15 @@ class FlatState(NamedTuple):
     turn: ComplexArray
     """exp(lambda tau) of the tabulated steps, shape ``(J, T)``."""
     static: FloatArray
-    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m over powers of s, shape ``(N, 3)``."""
+    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m divided by powers of s, shape ``(N,
+    3)``."""
     force: FloatArray
     """Modal forces, the constant one first, kg^-1/2 N for each unit of load, shape ``(1 + H, N)``."""
     weight: FloatArray
     """The mode of each term at the positions of the stops, kg^-1/2, shape ``(U, T)``."""
     residual: FloatArray
-    """Residual shapes there, the constant one first, m for each unit of load, shape ``(U, 1 + H)``."""
+    """Residual shapes at the positions of the stops, the constant one first, m for each unit of load, ``(U, 1 +
+    H)``."""
     closed: BoolArray
     """Whether each stop is closed, shape ``(P,)``."""
 
@@ -105,7 +108,8 @@ class Tables(NamedTuple):
     turn: ComplexArray
     """exp(lambda tau) of the tabulated steps, shape ``(S, J, T)``."""
     static: FloatArray
-    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m over powers of s, shape ``(S, N, 3)``."""
+    """Coefficients of 1, s, s^2 of the answer to the constant loads, kg^1/2 m divided by powers of s, shape ``(S, N,
+    3)``."""
     harmonic: ComplexArray
     """Complex amplitudes of the answer to the harmonics, kg^1/2 m, shape ``(S, H, N)``."""
     force: FloatArray
@@ -114,24 +118,26 @@ class Tables(NamedTuple):
     weight: FloatArray
     """The mode of each term at the positions of the stops, kg^-1/2, shape ``(S, U, T)``."""
     forced: ComplexArray
-    """Complex amplitude of the forced motion there, m, residual included, shape ``(S, U, H)``."""
+    """Complex amplitude of the forced motion at the positions of the stops, m, residual included, shape ``(S, U,
+    H)``."""
     constant: FloatArray
-    """Part of z there that moves with no mode: the residual's constant part, or the frozen shape, m, ``(S, U)``."""
+    """Part of z at the positions of the stops that moves with no mode, m, shape ``(S, U)``: the residual's constant
+    part, or the frozen shape of the published scheme."""
     closed: BoolArray
     """Whether each stop is closed, shape ``(S, P)``."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
     passage: IntArray
-    """Row of that switch in `carry` and `carry_residual`, or -1, shape ``(S, P)``."""
+    """Row of each switch in `carry` and `carry_residual`, or -1 where the switch is not known, shape ``(S, P)``."""
     carry: FloatArray
-    """S_ij of (36), (41) for each known switch, without unit, shape ``(K, N, N)``; rows that are not taken yet come
-    last."""
+    """S_ij of (36), (41) for each known switch, without unit, shape ``(K, N, N)``; unused rows come last."""
     carry_residual: FloatArray
-    """S0 and Sh of these switches, kg^1/2 m, those of sampled loads for each unit of load, ``(K, 1 + H + R, N)``."""
+    """S0 and Sh of the known switches, kg^1/2 m, and those of sampled loads for each unit of load, shape ``(K, 1 + H +
+    R, N)``."""
     omega: FloatArray
     """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
     phase: FloatArray
-    """Their phases, rad, shape ``(H,)``."""
+    """Phases of the harmonics, rad, shape ``(H,)``."""
     harmonic_turn: ComplexArray
     """exp(i Omega tau) of the tabulated steps, shape ``(J, H)``."""
     position: IntArray
@@ -148,7 +154,7 @@ class Tables(NamedTuple):
 
 PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
 PER_SWITCH = "carry", "carry_residual"
-UNKNOWN = "next_slot", "passage"  # hold -1 where a switch is not known
+UNKNOWN = "next_slot", "passage"  # fields that hold -1 where a switch is not known
 
 
 def tabulated_steps(problem: Problem) -> FloatArray:
@@ -167,7 +173,8 @@ def unit_of_time(step: FloatArray, harmonics: Harmonics) -> float:
 
 @njit_called()
 def turns(step: FloatArray, omega: FloatArray) -> ComplexArray:
-    """exp(i Omega tau) for the tabulated steps, s, ``(J,)``, and harmonics, rad/s, ``(H,)``; shape ``(J, H)``."""
+    """exp(i Omega tau) for the tabulated steps `step`, s, ``(J,)``, and harmonics `omega`, rad/s, ``(H,)``; shape ``(J,
+    H)``."""
     turned = complex_zeros((step.size, omega.size))
     for j in range(step.size):
         for h in range(omega.size):
@@ -212,7 +219,7 @@ def stop_positions(problem: Problem) -> IntArray:
 
 @by_reference
 class Unscaled(NamedTuple):
-    """What beside the tables of ``S`` states with unit loads decides how they answer to an excitation."""
+    """Quantities of ``S`` states that `scale` needs beside their tables with unit loads."""
 
     natural: FloatArray
     """Natural angular frequencies, rad/s, shape ``(S, N)``."""
@@ -227,12 +234,12 @@ class UnitTables(NamedTuple):
 
     tables: Tables
     unscaled: Unscaled
-    """As `borrowed`."""
+    """What `scale` needs beside `tables`.  As with `borrowed`, the arrays are writable, for compiled functions, and
+    nobody writes to them."""
     resonant: bool
     """Whether `scale` may move a mode."""
     borrowed: Tables
-    """The same arrays as `tables`, for compiled functions: these take no arrays that cannot be written to.  Nobody
-    writes to them."""
+    """The same arrays as `tables`, for compiled functions, which take writable arrays only.  Nobody writes to them."""
 
 
 @cached(_UNIT_TABLES)
@@ -282,7 +289,7 @@ def connect(
 
 
 def known_switches(tables: Tables) -> int:
-    """Number of switches that the tables know, each way by itself: the rows of `Tables.carry` that are taken."""
+    """Number of switches that the tables know, each direction counted: the number of used rows of `Tables.carry`."""
     return int(np.count_nonzero(tables.passage >= 0))
 
 
@@ -292,7 +299,7 @@ def count_in(state: ContactState, counts: tuple[int, int]) -> int:
 
 
 def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, switches: int) -> Tables:
-    """Tables without a state, with so many slots and room for so many switches.
+    """Tables without a state, with `slots` empty slots and room for `switches` switches.
 
     `size` is the largest number of modes in a state.
     """
@@ -402,7 +409,7 @@ def _scale(
 
 
 def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: FloatArray) -> None:
-    """Give an undamped mode another frequency, rad/s, shape ``(1,)``, as `away_from_resonance` has it."""
+    """Give an undamped mode the frequency that `away_from_resonance` has found, `omega`, rad/s, shape ``(1,)``."""
     root = roots_of(omega, damping_rate)[0, 0]
     tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
     tables.turn[slot, :, i] = np.exp(tables.step * root)

@@ -32,9 +32,10 @@ from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
 _DIED_OUT = -37.0
-"""Logarithm of the part of a mode's free motion that is left when it counts as died out: 1e-16, the rounding of 1."""
+"""Natural logarithm of the amplitude ratio below which a mode's free motion counts as died out: 1e-16, the rounding of
+1."""
 _NOTHING = 1e-60
-"""Size, kg^1/2 m or kg^1/2 m/s, below which deviations become zero as they flow.  Those of fast modes die out to
+"""Size, kg^1/2 m or kg^1/2 m/s, below which deviations become zero as they flow.  Deviations of fast modes die out to
 numbers near 1e-308, which processors multiply fifty times more slowly: a fifth of the time of a branch.  Deviations
 begin as units; their largest rest is seldom below 1e-10, and parts below 1e-30 vanish in sums."""
 
@@ -52,8 +53,8 @@ def living(tables: Tables, slot: int, s: float) -> int:
 def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray) -> int:
     """Carry deviations `now`, ``(2 N, m)``, over `s` seconds within a state, to `then`, which may be `now`.
 
-    Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  Returned is `living`: the deviations of the other modes
-    are zero.
+    Deviations (dq, dv), kg^1/2 m and kg^1/2 m/s, are columns.  The number that `living` gives is returned: the
+    deviations of all faster modes are zero.
     """
     n, live = tables.modes[slot], living(tables, slot, s)
     extra = n
@@ -88,9 +89,9 @@ def flow(tables: Tables, slot: int, s: float, now: FloatArray, then: FloatArray)
 def _write_rates(
     tables: Tables, slot: int, theta: ComplexArray, q: FloatArray, v: FloatArray, rates: FloatArray
 ) -> None:
-    """Write how fast a motion goes on in one state, d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``.
+    """Write the rates of a motion in one state, d(q, v)/dt, kg^1/2 m/s and kg^1/2 m/s2, shape ``(2 N,)``.
 
-    `theta`, ``(H,)``, holds exp(i theta_h) then.
+    `theta`, ``(H,)``, holds exp(i theta_h) at this time.
     """
     n = tables.modes[slot]
     extra = n
@@ -112,7 +113,7 @@ class Switching(NamedTuple):
     """Scratch arrays for `saltation`."""
 
     delay: FloatArray
-    """By how much later each deviation switches, s, shape ``(m,)``."""
+    """Delay of the switch for each deviation, s, shape ``(m,)``."""
     level: FloatArray
     """dc, m, of each stop's next switch, shape ``(P, m)``."""
     before: FloatArray
@@ -198,10 +199,11 @@ def set_levels(
     now: FloatArray,
     work: Switching,
 ) -> None:
-    """Write to `work.level` at which levels deviations `now`, ``(2 N, m)``, switch next, at the beginning of a state.
+    """Write to `work.level` the levels at which deviations `now`, ``(2 N, m)``, switch next, at the beginning of a
+    state.
 
-    `theta`, ``(H,)``, `q` and `v`, ``(N,)``, are those of the motion then.  If the state begins with a switch,
-    `switched`, `work.delay` says by how much later each deviation began it.
+    `theta`, ``(H,)``, `q` and `v`, ``(N,)``, are the values of the motion at this time.  If the state begins with a
+    switch, `switched`, `work.delay` says by how much later each deviation began it.
     """
     level, m = work.level, now.shape[1]
     for k in range(tables.sign.size):

@@ -32,7 +32,7 @@ from lapjoint.problem import FloatArray
 
 SERIES = 0.25
 """|lambda tau| up to which exp is summed as a series: thirteen products of real numbers cost less than one exp."""
-_ROUNDING = 1e-17  # largest number that changes no bit of a sum near 1
+_ROUNDING = 1e-17  # a term below this changes no bit of a sum near 1
 _RECIPROCALS = 1.0 / np.maximum(np.arange(14), 1)  # 0.25^13 / 13! is below `_ROUNDING`
 _OF_COSH = _RECIPROCALS[0::2] * np.append(1.0, _RECIPROCALS[1:-1:2])  # 1 / (2 n (2 n - 1))
 _OF_SINH = _RECIPROCALS[0::2] * _RECIPROCALS[1::2]  # 1 / (2 n (2 n + 1))
@@ -89,7 +89,7 @@ def start_all_terms(
 ) -> None:
     """Write phases and constants of ``M`` segments in one state that start at `start`, s, ``(M,)``.
 
-    All arrays have ``M`` rows of those of `set_phases` and `start_terms`.
+    Row i of each array is the array of segment i, as `set_phases` and `start_terms` have it.
     """
     for i in range(start.size):
         set_phases(tables, start[i], theta[i])
@@ -139,7 +139,7 @@ def tabulated(tau: float, step: FloatArray) -> int:
 def turn_by(
     turn: ComplexArray, harmonic_turn: ComplexArray, terms: int, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Move terms and phases on by a tabulated step, in place.
+    """Advance terms and phases by a tabulated step, in place.
 
     `turn`, ``(T,)``, is exp(lambda tau) of each of the first `terms` terms, and `harmonic_turn`, ``(H,)``, exp(i Omega
     tau).
@@ -160,7 +160,8 @@ def turn_briefly(
     term: ComplexArray,
     theta: ComplexArray,
 ) -> None:
-    """Move terms and phases on by `tau` seconds, in place, by a short series up to `SERIES` of the fastest turn.
+    """Advance terms and phases by `tau` seconds, in place, by a short series; `tau` times `fastest` is at most
+    `SERIES`.
 
     `fastest`, 1/s, is the largest modulus of `root`; the other arguments are those of `turn_exactly`.
     """
@@ -189,7 +190,7 @@ def turn_briefly(
 def turn_exactly(
     root: ComplexArray, omega: FloatArray, terms: int, tau: float, term: ComplexArray, theta: ComplexArray
 ) -> None:
-    """Move terms and phases on by any time `tau`, s, in place.
+    """Advance terms and phases by any time `tau`, s, in place.
 
     `root`, 1/s, ``(T,)``, is lambda of each of the first `terms` terms, and `omega`, rad/s, ``(H,)``, the frequency of
     each harmonic.
@@ -204,7 +205,7 @@ def turn_exactly(
 
 @njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
-    """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m over powers of s."""
+    """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m divided by powers of s."""
     for u in range(drift.shape[0]):
         drift[u, 0] = tables.constant[slot, u]
         drift[u, 1] = 0.0

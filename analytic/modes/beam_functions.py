@@ -136,9 +136,9 @@ def _fourth_powers(f: BeamFunctions) -> FloatArray:
 
 
 def _boundary_terms(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
-    """(a - b) times the integral of f g, of the exponentials alone, where f = a f and g = b g; ``(n_f, n_g)``.
+    """(a - b) times the integral of f g, exponentials alone, where f'''' = a f and g'''' = b g; shape ``(n_f, n_g)``.
 
-    By parts, on every span, it is f''' g - f'' g' + f' g'' - f g''' at its right end less that at its left one.
+    By parts, on every span, it is f''' g - f'' g' + f' g'' - f g''' at the right end minus the value at the left end.
     """
     ends_f, ends_g = _waves_at_ends(f), _waves_at_ends(g)
     signs = np.array([1.0, -1.0, 1.0, -1.0])[:, None, None] * np.array([-1.0, 1.0])  # (d, span, end)

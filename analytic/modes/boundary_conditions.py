@@ -59,7 +59,8 @@ def foundation_waves(z: FloatArray) -> Waves:
 
 
 def _end_values(waves: Waves, length: float, at_right: bool) -> FloatArray:
-    """Derivatives 0 to 3, over scale^d, of the four waves at an end of a span: shape ``(n, 4 derivatives, 4)``."""
+    """Derivatives of order d from 0 to 3, divided by scale^d, of the four waves at an end of a span: shape ``(n, 4
+    derivatives, 4)``."""
     distance = np.where(waves.right, 0.0 if at_right else -length, length if at_right else 0.0)
     wave = np.exp(waves.mu * distance)  # (n, J)
     relative = waves.mu / waves.scale[:, None]

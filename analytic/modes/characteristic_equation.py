@@ -59,7 +59,7 @@ class Layout:
     """Nodes of the beam and the springs that act at them, made dimensionless with L and EI."""
 
     x: FloatArray
-    """Node positions over L, from 0 to 1, shape ``(nodes,)``."""
+    """Node positions divided by L, from 0 to 1, shape ``(nodes,)``."""
     translational: FloatArray
     """k L^3 / EI at each node, possibly infinite, shape ``(nodes,)``."""
     torsional: FloatArray
@@ -67,7 +67,7 @@ class Layout:
 
     @property
     def spans(self) -> FloatArray:
-        """Span lengths over L, shape ``(nodes - 1,)``."""
+        """Span lengths divided by L, shape ``(nodes - 1,)``."""
         return np.diff(self.x)
 
     def rigid_modes(self) -> int:
@@ -82,7 +82,7 @@ class Layout:
 
 
 def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
-    """Positions, m, ascending, of the ends of the beam and of all that acts on it; open stops do not."""
+    """Positions, m, ascending, of the ends of the beam, and of all that acts on it; open stops do not act on it."""
     parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads)
     return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
 
@@ -119,7 +119,7 @@ SpanFunctions = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray
 
 
 def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
-    """The minors to the right of a node from those to the left."""
+    """The minors to the right of a node from the minors to the left."""
     A, B, C, D, F = minors
     zero = np.zeros_like(A)
     # Dividing by 1 + stiffness keeps the numbers of order one, and gives the infinite spring as the limit.
@@ -138,9 +138,10 @@ def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
 
 
 def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
-    """The minors at the right end of a span from those at its left end, over the largest where all are small.
+    """The minors at the right end of a span from the minors at its left end; where all are small they are divided by
+    the largest.
 
-    A fixed support takes the minors down by (z length)^3 or so: without the division, they underflow on many spans.
+    A fixed support scales the minors down by about (z length)^3: without the division, they underflow on many spans.
     """
     A, B, C, D, F = minors
     b4 = z**4
@@ -160,14 +161,14 @@ def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
 
 
 def _at_next_node(minors: Minors, span: SpanFunctions) -> FloatArray:
-    """The minor A at the right end of a span from those at its left end."""
+    """The minor A at the right end of a span from the minors at its left end."""
     A, B, C, D, F = minors
     half, _, g1, g2, g3, g4 = span
     return half * A + g1 * B + 2 * (g2 * C + g3 * D + g4 * F)
 
 
 def _span_functions(z: FloatArray, length: float) -> SpanFunctions:
-    """(1 + cos cosh)/2 and g0 ... g4, each over exp(z length); `length` is over L.
+    """(1 + cos cosh) / 2 and g0 ... g4, each divided by exp(z length); `length` is divided by L.
 
     g0 ... g3 solve g'''' = -4 z^4 g with one unit derivative at 0; g4 answers a unit right-hand side.
     """
@@ -193,7 +194,7 @@ def _one_minus_cos_cosh(s: FloatArray) -> FloatArray:
 
 
 def _series(s: FloatArray, coefficients: list[float]) -> FloatArray:
-    """sum_n a_n (-4 s^4)^n for s below `_SERIES_BELOW`; something finite for larger s."""
+    """sum_n a_n (-4 s^4)^n for s below `_SERIES_BELOW`; a finite, meaningless value for larger s."""
     x = -4 * np.minimum(s, _SERIES_BELOW) ** 4
     total = np.zeros_like(s)
     for coefficient in reversed(coefficients):
@@ -256,7 +257,7 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
     `SolverError` is raised.
     """
     rigid = min(layout.rigid_modes(), count)
-    index = np.arange(rigid, count)  # the root with this index has this many below it
+    index = np.arange(rigid, count)  # number of roots below each root
     lo = np.full(index.size, 1e-6)
     while index.size and count_below(layout, lo[:1])[0] > rigid:
         lo *= 1e-3

@@ -36,12 +36,12 @@ from lapjoint.errors import SolverError
 from lapjoint.problem import Beam, FloatArray, Problem
 
 _POOL = 40  # least number of modes computed at once
-FEW_SPANS = 6  # most spans for which the modes are solved for at once, as dense matrices; beyond, one by one as bands
+FEW_SPANS = 6  # most spans for which all modes are solved at once, by dense matrices; beyond, one by one, by bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _SLOW = 1e-2
 """beta L up to which a mode has the shape of a rigid bar's motion.  Such a mode bends by some (beta L)^4 / 200, 5e-11
 at this limit; waves that nearly cancel lose more: 2e-6 in impulses of a beam on two soft springs at half the limit."""
-_STILL = 1e-9  # displacement of the tip, over that of the bar, up to which the bar turns about its tip, to rounding
+_STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
 _LEFT = 1e-8  # largest residual of a condition at a support, for unit amplitudes: half of the digits
 _APART = 1e-3  # least eigenvalue allowed of the inner products of unit shapes, 1 if orthogonal, 0 if one is lost
 _CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are then made orthogonal
@@ -73,7 +73,7 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
 
 
 def pool_size(count: int) -> int:
-    """Number of modes computed where `count` are asked for, 40, 80, 160, ..., so that several counts share the work."""
+    """Number of modes to compute, 40, 80, 160, ..., where `count` are asked for: several counts then share the work."""
     size = _POOL
     while size < count:
         size *= 2
@@ -103,14 +103,14 @@ def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
 
 
 def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW_SPANS) -> BeamFunctions:
-    """The shapes of the roots z = beta L, not yet normalised: null vectors of the boundary matrix."""
+    """The shapes of the roots z = beta L, not normalised: null vectors of the boundary matrix."""
     waves, spans = mode_waves(z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
         bands = boundary_band(layout, waves)
         if spans <= few_spans:
             amplitudes = null_vectors(whole(bands))
-        # Roots that coincide to rounding share a null space of as many dimensions: take one vector each.
+        # Roots that coincide to rounding share a null space with one dimension for each root: take one vector each.
         for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
             if spans > few_spans or members.size > 1:
                 amplitudes[members] = null_space_of_band(bands[members[members.size // 2]], members.size)
@@ -159,7 +159,8 @@ def _of_size_one(found: FloatArray, axis: int) -> FloatArray:
 
 
 def null_space_of_band(band: FloatArray, count: int) -> FloatArray:
-    """Orthonormal null vectors of one matrix by its diagonals, ``(2 BAND + 1, m)``, in a time as m; ``(count, m)``."""
+    """Orthonormal null vectors of one matrix given by its diagonals, ``(2 BAND + 1, m)``, shape ``(count, m)``; the
+    time is proportional to m."""
     m = band.shape[1]
     transposed = np.zeros_like(band)
     for offset in range(-BAND, BAND + 1):

@@ -25,7 +25,8 @@ class FrozenMotion:
 
     moving: Motion
     rest: FloatArray
-    """Coefficients of the frozen shape R over the modes of all states, kg^1/2 m, shape ``(S, N)``."""
+    """Coefficients of the frozen shape R, the displacement that the modes of the state do not carry, over the modes of
+    all states, kg^1/2 m, shape ``(S, N)``."""
 
     @property
     def slot(self) -> int:

@@ -11,7 +11,7 @@ from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 SETTLED, UNSETTLED = 10, 11
-"""Reasons for which `settle` comes back, besides those of `analytic.march.compiled`."""
+"""Reasons for which `settle` returns, besides the reasons of `analytic.march.compiled`."""
 
 
 @njit_called()
@@ -68,7 +68,7 @@ def settle(
 
 @njit_inner()
 def _same(one: FloatArray, other: FloatArray, stops: int, tolerance: float) -> bool:
-    """Whether the largest differences of penetration times and of displacements are within `tolerance`, relatively."""
+    """Whether the largest relative differences of penetration times and of displacements are within `tolerance`."""
     return _close(one[:stops], other[:stops], tolerance) and _close(one[stops:], other[stops:], tolerance)
 
 

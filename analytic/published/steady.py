@@ -1,14 +1,16 @@
 """When a motion by the published scheme counts as settled, and the certificate that says so.
 
 The paper runs each motion "through steady state"; one that "appears transient after many thousands of impacts" is
-called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.  Here it has
-once the penetration times of all stops (the impulses over the stiffnesses) and the displacements at the stops at the
-end of the cycle repeat those 1, 2, ... `max_period_multiple` cycles before to `tolerance`, cycle by cycle for
-`_REPEATS` repeats, and from the first of these to the last.  Otherwise, after `patience` impacts or `max_periods`
-cycles, the next 1000 cycles are averaged and the motion is UNDECIDED.
+called aperiodic, and its next 1000 cycles are taken.  The text does not say when a motion has settled.
 
-No Newton here: a frozen shape that stops growing may take any value, so fixed points fill a continuum and only the
-march tells which of them a motion from rest comes to.
+Here the penetration times of all stops (the impulses divided by the stiffnesses) and the displacements at the stops at
+the end of the cycle are compared with the values p cycles before, for p = 1, 2, ... `max_period_multiple`.  A motion
+has settled when, for one p, they agree to `tolerance` cycle by cycle for `_REPEATS` repeats, and the last repeat also
+agrees with the first.  Otherwise, after `patience` impacts or `max_periods` cycles, the next 1000 cycles are averaged
+and the motion is UNDECIDED.
+
+Newton's method is not used: a frozen shape that stops growing may take any value, so fixed points fill a continuum, and
+only the march tells which fixed point a motion from rest approaches.
 """
 
 from __future__ import annotations
@@ -30,10 +32,10 @@ from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, im
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solver import Progress
 
-_REPEATS = 20  # repeats, each of the cycle before and the last of the first, after which a motion has settled
+_REPEATS = 20  # repeats after which a motion has settled: each repeats the one before, the last also the first
 _CYCLES_AVERAGED = 1000  # cycles of an unsettled motion whose impulses are averaged, as in the paper
 _CHUNK = 500  # cycles after which the number of impacts is compared with `patience`
-_SYMMETRIC = 1e-4  # largest distance of a symmetric motion from its mirror image, over the largest displacement
+_SYMMETRIC = 1e-4  # largest distance of a symmetric motion from its mirror image, relative to the largest displacement
 _SAMPLES = 64  # times in half a motion at which it is compared with its mirror image
 
 
@@ -42,7 +44,7 @@ class Patience:
     """How long to wait for a motion to settle."""
 
     tolerance: float
-    """To what fraction impulses and displacements must repeat."""
+    """Relative deviation within which impulses and displacements must repeat."""
     max_period_multiple: int
     """Longest periodic motion looked for, in excitation periods."""
     max_periods: int
@@ -58,7 +60,7 @@ class Settling:
     """A motion marched cycle by cycle."""
 
     period_multiple: int
-    """Excitation periods after which it repeats; 0 if it did not settle."""
+    """Number of excitation periods after which the motion repeats; 0 if it did not settle."""
     rows: FloatArray
     """Penetration times of stops over each cycle, m s, and displacements at its end, m, shape ``(cycles, P + U)``."""
     motion: FrozenMotion
@@ -68,7 +70,7 @@ class Settling:
 def settling(
     joint: PublishedJoint, motion: FrozenMotion, period: float, patience: Patience, progress: Progress | None = None
 ) -> Settling:
-    """March until the motion has settled, or for as long as `patience` allows; `motion` is moved along.
+    """March until the motion has settled, or for as long as `patience` allows; `motion` is advanced in place.
 
     `period` is the excitation period, s.  `progress` is called with the periods marched, and the most allowed.
     """
@@ -160,7 +162,7 @@ def is_symmetric(history: History) -> bool:
 
 
 def _residual(motion: PublishedMarch, period: float) -> float:
-    """Distance of the coordinates at the end from those at the start, over their size; infinite between states."""
+    """Distance of the coordinates at the end from the start, divided by their size; infinite if the states differ."""
     first, end = motion.segments[0], motion.end
     if first.state != end.state:
         return math.inf
