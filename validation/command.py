@@ -39,9 +39,14 @@ def _cases() -> tuple[str, ...]:
 @click.option("--faults", is_flag=True, help="Put faults into the program, one at a time, and tell what catches each.")
 @click.option("--fault", "fault_names", multiple=True, metavar="NAME", help="This fault only; repeatable.")
 @click.option(
-    "--quickest", type=click.IntRange(1), metavar="N", help="The N faults only that were caught most quickly."
+    "--quickest", type=click.IntRange(1), metavar="N", help="Only the N faults that an earlier run caught fastest."
 )
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Faults that are tried at a time; all processors.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    metavar="N",
+    help="Number of faults that are tried at once.  [default: all processors]",
+)
 @click.option(
     "-o",
     "--out",

@@ -1,19 +1,21 @@
-r"""The solver-blind witness: what must hold of any motion, checked from a History alone.
+"""The solver-blind witness: what must hold of any motion, checked from a History alone.
 
-It knows the problem and may evaluate displacement and velocity anywhere; how they were computed it does not know.
+The witness knows the problem and may evaluate displacement and velocity anywhere; it does not know how they were
+computed.
 
 - energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
   damping dissipation is C int z_t^2 dx; under modal damping it is not local, and only its sign can be asked for;
-- force law and gaps: a stop of the state is pressed, another is not;
-- momentum: of a beam whose supports all give way, damped viscously or not at all, what supports, base, point loads,
-  drag and the *stated* impulses of the stops give adds up to the change of momentum, and of angular momentum;
+- force law and gaps: a stop that the contact state has as closed is pressed, and no other stop is;
+- momentum: where no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base,
+  point loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular
+  momentum;
 - impulse: the stated one is the time integral of the force law;
-- continuity: displacement and velocity do not jump at a switch (36), (41).
+- continuity: the displacement does not jump at a switch, equation (36) of the paper.
 
-And of a steady state, from the History of one of its periods, whoever found it:
+And of a steady state, from the History of one of its periods, made by either solver:
 
-- it closes: displacement and velocity along the beam are at the end what they are at the start;
-- its period is the least: after fewer excitation periods they are not;
+- the motion closes: displacement and velocity along the beam are at the end what they are at the start;
+- its period is the least: after fewer excitation periods, displacement and velocity differ from the start;
 - half of it mirrors the other half, z(x, t + T/2) = -z(x, t), if it is called symmetric, and not if it is not;
 - its impulses per excitation period are the time integrals of the force law.
 """
@@ -34,10 +36,12 @@ from validation.verdict import Criterion
 
 _PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
 _MOST_HALVINGS = 8  # Most halvings of the panels in time
-_BALANCED = 1e-3  # Least angular momentum over that of all momentum at one end: less is a balanced motion, and rounding
+_BALANCED = (
+    1e-3  # Least angular momentum that counts, as a fraction of all momentum at one end: below, rounding is left
+)
 REPEATS = 1e-6
-"""Distance over the size of a motion below which two motions are one.  Orbits close to 1e-9; truncation adds jumps
-at switches."""
+"""Distance of two motions, as a fraction of their size, below which they are one.  Newton's method closes orbits to a
+residual of 1e-9; truncation adds jumps at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -142,7 +146,8 @@ def _impulse(stop: int, breaks: FloatArray, history: History, tolerance: float, 
 
 
 def _knots(history: History, start: float, end: float) -> FloatArray:
-    """Where forces that are linear between knots have them; none if they are more than the finest panels."""
+    """Times of the knots of forces that are linear between knots; none if there are more knots than the finest
+    panels."""
     ramps = history.problem.forces.ramps
     found = [np.zeros(0)] if ramps is None else [force.knots_within(start, end) for force in ramps.forces]
     knots = np.concatenate(found)
@@ -151,7 +156,7 @@ def _knots(history: History, start: float, end: float) -> FloatArray:
 
 
 def energy_balance(history: History, tolerance: float) -> Criterion:
-    """Energy left unaccounted for, over the energy that came and went.
+    """Energy left unaccounted for, divided by the energy that came and went, or the largest stored energy, if larger.
 
     Parameters
     ----------
@@ -441,10 +446,10 @@ def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Cri
     Parameters
     ----------
     found : SteadyState
-        Whoever found it.
+        The steady state, of either solver.
     tolerance : float
-        That of the motion, relative to its size.  What concerns the period has `REPEATS`, or ten times the residual
-        where that is more.
+        Tolerance of the motion, relative to its size.  Comparisons over the period have `REPEATS`, or ten times the
+        residual where that is more; impulses per period have the tolerance, or ten times the residual.
     label : str
         What goes before each name.
 

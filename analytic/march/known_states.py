@@ -23,7 +23,8 @@ class KnownStates:
     states: tuple[ContactState, ...] = ()
     """The contact states, sorted."""
     switches: tuple[tuple[ContactState, int], ...] = ()
-    """State and stop of each switch, sorted.  Each switch is listed in both directions."""
+    """Contact state with the stop open, and the stop, of each switch, sorted; each switch stands for both
+    directions."""
 
     @cached_property
     def slots(self) -> dict[ContactState, int]:

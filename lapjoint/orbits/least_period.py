@@ -11,13 +11,14 @@ from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import Orbit, find_orbit
 
 PARTED = 1e-3
-"""Longest step between two of the points that a jump makes of one, as a fraction of the size of the motion.  Along
-longer steps it cannot be told whether the map bends or jumps."""
+"""Largest first step between two of the points into which a jump of the map splits one point, as a fraction of the
+size of the motion; later steps may be twice as long.  Along longer steps it cannot be told whether the map bends or
+jumps."""
 _JUMP = 0.05
-"""Fraction of a step, however short, by which the linearised map may miss it if the map is smooth."""
+"""Fraction of a step by which the linearised map of a smooth map may miss a very short step."""
 _BENDS = 500.0
-"""A smooth map bends, and may miss this times the length of the step before (as a fraction of the size of the motion)
-of each step.  The larger of this fraction of the step and `_JUMP` counts."""
+"""Fraction of a step by which the linearised map of a smooth map may miss, divided by the length of the step before (as
+a fraction of the size of the motion): a smooth map bends.  The larger of this fraction and `_JUMP` counts."""
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:

@@ -18,16 +18,16 @@ RESIDUAL = 1e-9
 """Largest distance between start and end of an orbit, as a fraction of the size of the motion; one more step of
 Newton's method then leaves the square of this."""
 FAR = 2.0
-"""Largest residual over one period, as a fraction of the size of the motion, from which Newton's method is tried; 2 is
-the residual of a march that ends opposite to its start."""
+"""Largest residual, over the half periods asked for, from which Newton's method is tried; as a fraction of the motion's
+size."""
 _STEPS = 14
 """Limit of steps of Newton's method: two or three are enough near an orbit, and some steps far from it bring no
 progress."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Largest imaginary part of a real multiplier, as a fraction of its modulus: rounding gives a double multiplier such a
-part."""
+"""Largest imaginary part of a real multiplier, as a fraction of its modulus: rounding splits a repeated real multiplier
+into a complex pair."""
 GROWS = 1e-6
 """A multiplier is outside the unit circle, and not one on the circle with rounding, if its modulus exceeds 1 by
 this."""
@@ -47,7 +47,8 @@ class Orbit:
     point: SectionPoint
     """Where the motion begins."""
     residual: float
-    """Distance between start and end, as a fraction of the size of the motion."""
+    """Distance between start and end of the last march, as a fraction of the size of the motion; `point` is one Newton
+    step better."""
     last: HalfPeriodMarch
     """The march from `point`, or from a point so near that its derivative is the orbit's."""
 

@@ -1,5 +1,4 @@
-"""Motions of curves as values that JSON can hold, and the motions made from these values again, equal to the last
-bit."""
+"""Points of solution curves, motions with their parameters, as values that JSON can hold, and back to the last bit."""
 
 from __future__ import annotations
 
@@ -52,11 +51,12 @@ def start_of(plain: Mapping[str, Any]) -> Start:
 
 
 def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -> dict[str, Any]:
-    """Curve points, each with whether the parameter may turn there, as values that JSON can hold.
+    """Curve points, each with whether the parameter may reverse along the curve there, as values that JSON can hold.
 
-    ``equations`` holds zone, stops that are closed at the section, stops that switch, phase of the section, and tied
-    events; ``knots`` holds, for each point, the number of its equations, the unknowns, and whether the parameter may
-    turn there.
+    ``equations`` holds the index of the zone, a part of the range that has one resolution; the stops that are closed at
+    the section; the stops that switch; the phase of the section; and the events that happen together,
+    `BoundaryProblem.tied`. ``knots`` holds, for each point, the number of its equations, the unknowns, and whether the
+    parameter may reverse there.
     """
     zones = [resolution for _, resolution in of.zones]
     numbers, knots = dict[tuple[Any, ...], int](), list[list[Any]]()
@@ -101,10 +101,10 @@ def plain_located(of: ParameterRange, what: Located) -> dict[str, Any] | None:
 
 
 def located_of(of: ParameterRange, plain: Mapping[str, Any]) -> Located | None:
-    """The bifurcation or graze whose values `plain_located` gave; None if Newton's method does not find the motion
-    again.
+    """The bifurcation or graze whose values `plain_located` gave.
 
-    A graze is located from the side with one contact more.
+    None if Newton's method does not find the motion again, or its resolution no longer exists.  A graze is located from
+    the side with one contact more.
     """
     start = start_of(plain)
     resolution = next(islice(of.zones[plain["zone"]][1].and_finer(), plain["finer"], None), None)

@@ -37,9 +37,9 @@ class BoundaryProblem:
     phase: float
     """Time of the section, divided by the excitation period, from 0 to 1."""
     tied: frozenset[int] = frozenset()
-    """Simultaneous events: indices of the events that happen together with the event before, of another stop.  The arc
-    between two tied events has no duration, and the equation of the first event of a group stands for the group. Stops
-    that mirror each other along the beam switch together."""
+    """Events that happen together with the event before, of another stop: the arc between has no duration, and the
+    equation of the first event of such a group stands for the group.  Equal stops at x and L - x switch together in a
+    motion that mirrors itself along the beam."""
 
     @property
     def events(self) -> int:

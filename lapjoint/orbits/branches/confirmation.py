@@ -42,9 +42,9 @@ class Confirmation:
 def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
     """Locate a bifurcation or graze by another solver, over the same range.
 
-    The other solver begins with its coarsest resolution, and tries finer ones as long as no error can be stated.  The
-    verdict ``apart`` counts only if the first solver, starting from the other solver's motion, locates its own
-    bifurcation again.
+    The other solver begins with its coarsest resolution, and tries up to `_TRIED` resolutions until the verdict is
+    ``agrees`` or ``apart``.  The verdict ``apart`` counts only if the first solver, from there, locates its own
+    bifurcation again; otherwise the verdict before stays, at first ``not found``.
     """
     best = Confirmation("not found", None)
     for resolution in islice(other.resolution(one.value).and_finer(), _TRIED):
