@@ -31,16 +31,9 @@ def run_job(
     force: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Run a job, and replace what is in `out`.
+    """The dataset of a job, from `out` if the file holds it finished, else found by `solve_job`, with its arguments.
 
-    If there is a journal of the job beside `out`, the job resumes from it; with `force`, a journal of another job is
-    thrown away.  `workers` is a number of processes, -1 for all processors, or a function like `map`.  `scheduler` is
-    the address of a dask scheduler, whose workers are used instead.  `progress` is called with the number of cells done
-    and the number of all.
-
-    InputError is raised if the job is not valid, the journal belongs to another job, or another process has it;
-    OutputError, if the disk is full; SolverError, if the workers are lost; Interrupted, after Ctrl-C.  The messages of
-    OutputError, SolverError and Interrupted say what is kept.
+    With `force`, a finished file of another job is replaced; without, it is an InputError.
     """
     found = None if out is None else stored(job.spec, out, force=force)
     if found is not None:
@@ -59,14 +52,14 @@ def solve_job(
 ) -> xr.Dataset:
     """Run a job, and replace what is in `out`.
 
-    If there is a journal of the job beside `out`, the job resumes from it; `force` throws away the journal of other
-    work.  `workers` is a number of processes, -1 for all processors, or a function like `map`; the workers of a dask
-    `scheduler` do the work instead, if its address is given.  `progress` is called with the number of cells done and
-    the number of all.
+    If there is a journal of the job beside `out`, the job resumes from it; with `force`, a journal of another job is
+    thrown away.  `workers` is a number of processes, -1 for all processors, or a function like `map`.  `scheduler` is
+    the address of a dask scheduler, whose workers are used instead.  `progress` is called with the number of cells done
+    and the number of all.
 
-    InputError is raised if the job is not valid, the journal belongs to other work, or another process has it;
+    InputError is raised if the job is not valid, the journal belongs to another job, or another process has it;
     OutputError, if the disk is full; SolverError, if the workers are lost; Interrupted, after Ctrl-C.  The messages of
-    the last three say what is kept.
+    OutputError, SolverError and Interrupted say what is kept.
     """
     workers = check_workers(workers)
     job.check()

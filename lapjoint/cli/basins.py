@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import click
@@ -60,7 +61,7 @@ def basins(
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver.name, solver.numerics, **chosen)
-    found = found_or_stored(plan, "basins", "these basins", solve_basins, work)
+    found = found_or_stored(plan, "basins", "these basins", partial(solve_basins, plan), work)
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

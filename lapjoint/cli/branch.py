@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import click
 
 from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
@@ -109,6 +111,6 @@ def branch(
         also_over=also_over,
         from_grazes=from_grazes,
     )
-    found = found_or_stored(plan, "branch", "these branches", find_branches, work, search=True)
+    found = found_or_stored(plan, "branch", "these branches", partial(find_branches, plan), work, search=True)
     print_branches(found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

@@ -26,7 +26,7 @@ def found_or_stored(
     """The dataset of a plan: from its file if it is finished there, else found, with progress under a `title`.
 
     `holds` says what a finished file has, as "this sweep".  With `search`, work leads to more work, and no time left is
-    told.  `find` takes the plan, `progress` and the fields of `work`.
+    told.  `find` takes `progress` and the fields of `work`.
     """
     from lapjoint.campaigns import stored
     from lapjoint.cli.progress import shown_points, shown_search
@@ -36,7 +36,7 @@ def found_or_stored(
         echo(f"{work.out}: holds {holds} already, finished")
         return there
     with (shown_search if search else shown_points)(title) as progress:
-        found = find(plan, progress=progress, **work._asdict())
+        found = find(progress=progress, **work._asdict())
     if work.out is not None:
         echo(f"Wrote {work.out}")
     return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -81,7 +82,7 @@ def sweep(
     this = arguments.problem_from(problem, overrides)
     further = () if summary is None else arguments.names_from(summary)
     plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
-    found = found_or_stored(plan, "sweep", "this sweep", solve, work)
+    found = found_or_stored(plan, "sweep", "this sweep", partial(solve, plan), work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 

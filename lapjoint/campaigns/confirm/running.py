@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from lapjoint.campaigns.job import Job
 from lapjoint.campaigns.point import PlainSection
-from lapjoint.campaigns.running import run_job, solve_job
+from lapjoint.campaigns.running import run_job
 from lapjoint.campaigns.workers import Workers
 from lapjoint.solver import Progress, Solver
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from lapjoint.campaigns.confirm.solve import Confirmed
-    from lapjoint.campaigns.confirm.spec import ConfirmSpec
+    from lapjoint.campaigns.confirm.spec import ConfirmSpec  # noqa: F401 (the base class below names it)
 
 
 @dataclass(frozen=True)
@@ -111,17 +111,3 @@ def confirm(
     found = read_branches(branches) if isinstance(branches, str | Path) else branches
     spec = confirm_spec(found, solver, dict(options or {}), share, seed)
     return run_job(ConfirmJob(spec), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-
-
-def solve_confirmation(
-    spec: ConfirmSpec,
-    *,
-    workers: Workers = 1,
-    scheduler: str | None = None,
-    out: str | Path | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Look for the bifurcations as `confirm` does, and replace what is in `out`."""
-    job = ConfirmJob(spec)
-    return solve_job(job, workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.job import Job
 from lapjoint.campaigns.point import PlainSection
-from lapjoint.campaigns.running import run_job, solve_job
+from lapjoint.campaigns.running import run_job
 from lapjoint.campaigns.statistics.solve import Realised, rehearse, solve_realisation
 from lapjoint.campaigns.statistics.spec import Realisations, lasting
 from lapjoint.campaigns.statistics.table import statistics_dataset
@@ -126,16 +126,3 @@ def statistics(
         rate,
     )
     return run_job(StatisticsJob(spec), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
-
-
-def solve_statistics(
-    spec: Realisations,
-    *,
-    workers: Workers = 1,
-    scheduler: str | None = None,
-    out: str | Path | None = None,
-    force: bool = False,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Find statistics as `statistics` does, and replace what is in `out`."""
-    return solve_job(StatisticsJob(spec), workers=workers, scheduler=scheduler, out=out, force=force, progress=progress)
