@@ -44,6 +44,7 @@ from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
+from lapjoint.problem.load_shape import LoadShape
 
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
@@ -95,7 +96,7 @@ class _Criterion:
     """The highest frequency of the loads, rad/s; 0 without any."""
     contact_squares: tuple[float, ...]
     """omega_c^2 of each stop's own contacts, (rad/s)^2."""
-    sudden: tuple[tuple[float | None, float, float], ...]
+    sudden: tuple[tuple[LoadShape, float, float], ...]
     """Loads that are already there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and
     their size at t = 0 divided by the largest size that all loads at this position can have."""
 
@@ -112,12 +113,14 @@ def _criterion(problem: Problem) -> _Criterion:
     )
 
 
-def _sudden(problem: Problem) -> tuple[tuple[float | None, float, float], ...]:
+def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
     """See `_Criterion.sudden`."""
     forces, usual = problem.forces, problem.forces.usual_rate
-    loads: list[tuple[float | None, float, float, float]] = [(f.x, 0.0, f.force, abs(f.force)) for f in forces.constant]
-    loads += [(f.x, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
-    loads += [(f.x, usual, float(f.at(np.zeros(1))[0]), f.size) for f in forces.sampled]
+    loads: list[tuple[LoadShape, float, float, float]] = [
+        (f.shape, 0.0, f.force, abs(f.force)) for f in forces.constant
+    ]
+    loads += [(f.shape, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
+    loads += [(f.shape, usual, float(f.at(np.zeros(1))[0]), f.size) for f in forces.sampled]
     found = []
     loads = [load for load in loads if load[3] > 0]
     for place in dict.fromkeys(load[0] for load in loads):
@@ -179,7 +182,7 @@ class _ModalSums:
     """e_N divided by omega_c^2, for each stop, s^2, shape ``(stops, pool - 1)``."""
     loads: FloatArray
     """e_N divided by the square of the fastest frequency of the response to the loads, s^2, shape ``(pool - 1,)``."""
-    starts: dict[float | None, tuple[_SuddenAnswer, _SuddenAnswer]]
+    starts: dict[LoadShape, tuple[_SuddenAnswer, _SuddenAnswer]]
     """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
 
 
@@ -196,7 +199,7 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
         starts={
             x: (_sudden_answer(both[0], x), _sudden_answer(both[-1], x))
-            for x in (*(f.x for f in constant), *loaded.positions)
+            for x in (*(f.shape for f in constant), *loaded.positions)
         },
     )
 
@@ -219,13 +222,13 @@ def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
     return np.asarray(np.divide(share, square, out=np.full(share.shape, np.inf), where=square > 0))
 
 
-def _sudden_answer(modes: NormalModes, x: float | None) -> _SuddenAnswer:
+def _sudden_answer(modes: NormalModes, shape: LoadShape) -> _SuddenAnswer:
     """The answer of one state's modes to a load at a position, m, or to a uniform load."""
-    if x is None:
+    if shape.pieces:
         along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _POSITIONS))
-        parts = along * integral(modes.shapes)[:, None]
+        parts = along * (shape.pieces[0][2] * integral(modes.shapes))[:, None]
     else:
-        parts = modes.shapes(np.array([x])) ** 2
+        parts = modes.shapes(np.array([shape.points[0][0]])) ** 2
     square = modes.omega**2
     tail = np.abs(parts / np.where(square > 0, square, np.inf)[:, None])[::-1].cumsum(axis=0)[::-1].max(axis=1)
     return _SuddenAnswer(parts, square, tail[1:])

@@ -39,7 +39,7 @@ from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import BaseMotion, FloatArray, Problem
-from lapjoint.problem.forces import inertial_load
+from lapjoint.problem.forces import base_acceleration
 from lapjoint.problem.symmetry import stop_twins
 from lapjoint.solver import Progress
 
@@ -91,7 +91,7 @@ class PeriodMap:
         if self.joint.change_by(field) is None or value <= 0:
             return None
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
-        sizes = np.array([1.0, inertial_load(self.problem.beam.m, amplitude, omega)])
+        sizes = np.array([1.0, base_acceleration(amplitude, omega)])
         harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
         changes = {field: change_with(field, value, np.ones(1))}
         driven = DrivenProblem(self.joint.loaded, Excitation(harmonics, sizes, 2 * math.pi / omega, changes), problem)

@@ -31,6 +31,7 @@ import numpy as np
 
 from lapjoint.answers import History, SteadyState
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.problem.load_shape import LoadShape
 from validation.references.panels import gauss_panels
 from validation.verdict import Criterion
 
@@ -55,9 +56,20 @@ def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Floa
 
 def _space(history: History) -> tuple[FloatArray, FloatArray]:
     problem = history.problem
-    parts = (*problem.supports, *problem.stops, *problem.point_loads)
+    parts = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
+    steps = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
+    loads = [x for force in problem.forces.every for x in force.shape.edges]
     L = problem.beam.length
-    return _panels(np.unique([0.0, L, *(part.x for part in parts)]), L / _PANELS_X)
+    return _panels(np.unique([0.0, L, *parts, *steps, *loads]), L / _PANELS_X)
+
+
+def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[FloatArray], FloatArray]) -> FloatArray:
+    """Sum of a load's forces times `values` at their places, which gives ``(n, ...)``; `x`, `w` is the quadrature."""
+    per_length = sum((force * ((x > start) & (x < end)) for start, end, force in shape.pieces), np.zeros(x.size))
+    total = np.asarray((w * per_length) @ values(x))
+    for place, force in shape.points:
+        total = total + force * values(np.array([place]))[0]
+    return total
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
@@ -77,7 +89,11 @@ def energy(history: History, t: FloatArray) -> FloatArray:
     """
     problem, (x, w) = history.problem, _space(history)
     beam = problem.beam
-    total = beam.m / 2 * (w @ history.evaluate(x, t, dt=1) ** 2) + beam.EI / 2 * (w @ history.evaluate(x, t, dx=2) ** 2)
+    total = (w * beam.inertia_at(x)) @ history.evaluate(x, t, dt=1) ** 2 / 2
+    total = total + (w * beam.EI_at(x)) @ history.evaluate(x, t, dx=2) ** 2 / 2
+    for mass in problem.masses:
+        total = total + mass.mass / 2 * history.velocity(mass.x, t)[0] ** 2
+        total = total + mass.rotary_inertia / 2 * history.evaluate(mass.x, t, dx=1, dt=1)[0] ** 2
     for support in problem.supports:
         if 0 < support.translational < math.inf:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
@@ -90,7 +106,7 @@ def energy(history: History, t: FloatArray) -> FloatArray:
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia and point loads less viscous dissipation.
+    """Power of base inertia and loads less viscous dissipation.
 
     Parameters
     ----------
@@ -108,7 +124,7 @@ def power(history: History, t: FloatArray) -> FloatArray:
     velocity = history.evaluate(x, t, dt=1)
     total = np.zeros(t.size)
     for force in problem.forces.every:
-        total += force.at(t) * (w @ velocity if force.x is None else history.velocity(force.x, t)[0])
+        total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total
@@ -216,7 +232,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         The two residuals.
     """
     problem, (x, w) = history.problem, _space(history)
-    m, L = problem.beam.m, problem.beam.length
+    inertia, L, both = problem.beam.inertia_at(x), problem.beam.length, np.array([history.start, history.end])
     breaks = np.unique([history.start, *history.switch_times, history.end])
     found: list[Criterion] = []
     momentum = 0.0  # that came and went, kg m/s
@@ -229,7 +245,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
             total = np.zeros(t.size)
             for one in problem.forces.every:
-                total += one.at(t) * float(w @ arm(x) if one.x is None else arm(np.asarray(one.x)))
+                total += one.at(t) * float(_applied(one.shape, x, w, arm))
             for support in problem.supports:
                 total -= (
                     support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
@@ -239,7 +255,10 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
                 total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
             return total
 
-        ends = m * ((w * arm(x)) @ history.evaluate(x, np.array([history.start, history.end]), dt=1))
+        ends = (w * inertia * arm(x)) @ history.evaluate(x, both, dt=1)
+        for mass in problem.masses:
+            ends = ends + mass.mass * float(arm(np.asarray(mass.x))) * history.velocity(mass.x, both)[0]
+            ends = ends + mass.rotary_inertia * slope * history.evaluate(mass.x, both, dx=1, dt=1)[0]
         stops = [-c.impulse * float(arm(np.asarray(problem.stops[c.stop].x))) for c in history.contacts]
         amount = float(np.abs(ends).sum() + np.abs(stops).sum())
         scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)

@@ -12,9 +12,10 @@ from analytic.modes.static_residual import Loads
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.load_shape import LoadShape
 
-Positions = tuple[float | None, ...]
-"""Where each load that is not constant acts: a position, m, or None for one that is uniform along the beam."""
+Positions = tuple[LoadShape, ...]
+"""Where each load that is not constant acts."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,8 @@ class Excitation:
 
     harmonics: Harmonics
     sizes: FloatArray
-    """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, N/m
-    for uniform loads and N for loads at points; and 1 for sampled loads, whose samples have a unit themselves."""
+    """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, m/s2
+    of the moving base and N of loads at points; and 1 for sampled loads, whose samples have a unit themselves."""
     period: float | None
     """The excitation period, s; None if there is none."""
     changes: Mapping[str, ExcitationChange] = field(default_factory=dict)
@@ -61,7 +62,7 @@ def excitation_of(problem: Problem) -> Excitation:
 
 
 def unit_loads(problem: Problem, positions: Positions, state: ContactState, nodes: FloatArray) -> Loads:
-    """The loads in a contact state; each load that is not constant has a size of 1 N/m or 1 N.
+    """The loads in a contact state; each load that is not constant has the size 1.
 
     Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The other loads,
     harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are the nodes of the beam; every load acts at a
@@ -75,9 +76,16 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
     for i in state.closed:
         stop = problem.stops[i]
         forces[0, node(stop.x)] += stop.sign * stop.stiffness * stop.gap
+    uniform = np.zeros(forces.shape[0])
+
+    def add(row: int, shape: LoadShape, size: float) -> None:
+        for x, force in shape.points:
+            forces[row, node(x)] += size * force
+        for _, _, force in shape.pieces:
+            uniform[row] += size * force
+
     for load in problem.forces.constant:
-        forces[0, node(load.x)] += load.force
-    for row, x in enumerate(positions, start=1):
-        if x is not None:
-            forces[row, node(x)] += 1.0
-    return Loads(np.array([0.0, *(float(x is None) for x in positions)]), forces)
+        add(0, load.shape, load.force)
+    for row, shape in enumerate(positions, start=1):
+        add(row, shape, 1.0)
+    return Loads(uniform, forces)

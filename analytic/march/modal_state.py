@@ -115,7 +115,7 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     """
     if positions is None:
         forces = problem.forces
-        positions = tuple(it.x for it in forces.harmonic) + tuple(it.x for it in forces.sampled)
+        positions = tuple(it.shape for it in forces.harmonic) + tuple(it.shape for it in forces.sampled)
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
     return _loaded_structure(problem.structure, steps, positions)
 

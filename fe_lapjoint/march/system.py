@@ -324,7 +324,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     stops = assembly.stop_rows @ vectors
     _, first, place_of = np.unique(assembly.stop_places, return_index=True, return_inverse=True)
     for step in problem.forces.constant:
-        f0 += step.force * assembly.reading(step.x)
+        f0 += step.force * assembly.load(step.shape)
     return System(
         state=state,
         omega=omega,
@@ -355,7 +355,7 @@ def _harmonic_loads(
 ) -> tuple[FloatArray, FloatArray]:
     """Modal amplitudes, kg^1/2 m/s2, ``(n, H)``, and angular frequencies, rad/s, ``(H,)``, of harmonic loads."""
     shape = len(loads), vectors.shape[0]
-    forces = np.array([load.amplitude * _shape(assembly, load.x) for load in loads]).reshape(shape).T
+    forces = np.array([load.amplitude * assembly.load(load.shape) for load in loads]).reshape(shape).T
     return vectors.T @ forces, np.array([load.angular_frequency for load in loads])
 
 
@@ -371,17 +371,12 @@ def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: li
     return omega
 
 
-def _shape(assembly: Assembly, x: float | None) -> FloatArray:
-    """A unit load at a position, m, or along the beam for None, on the free degrees of freedom, shape ``(n,)``."""
-    return assembly.uniform_load if x is None else assembly.reading(x)
-
-
 def _modal_ramps(assembly: Assembly, vectors: FloatArray) -> ModalRamps | None:
     """The sampled forces on modes, which are columns ``(n, n)``; None without any."""
     forces = assembly.problem.forces
     if forces.ramps is None:
         return None
-    return ModalRamps(forces.ramps, vectors.T @ np.stack([_shape(assembly, it.x) for it in forces.sampled], axis=1))
+    return ModalRamps(forces.ramps, vectors.T @ np.stack([assembly.load(it.shape) for it in forces.sampled], axis=1))
 
 
 def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:

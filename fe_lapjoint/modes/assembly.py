@@ -22,6 +22,7 @@ from skfem.helpers import dd, ddot
 from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.load_shape import LoadShape
 
 
 @BilinearForm
@@ -101,10 +102,14 @@ class Assembly:
         """Consistent mass of the free degrees of freedom, kg, shape ``(n, n)``."""
         return np.asarray(self._matrices[1][np.ix_(self.free, self.free)])
 
-    @property
-    def uniform_load(self) -> FloatArray:
-        """Load vector of a unit force per unit length, m, shape ``(n,)``."""
-        return np.asarray(self._matrices[2][self.free])
+    def load(self, shape: LoadShape) -> FloatArray:
+        """The load vector, ``(n,)``, of a load of size 1; its pieces begin and end at nodes."""
+        found = np.zeros(self.free.size)
+        for x, force in shape.points:
+            found += force * self.reading(x)
+        for _, _, force in shape.pieces:
+            found += force * self._matrices[2][self.free]
+        return found
 
     @cached_property
     def free(self) -> npt.NDArray[np.int64]:

@@ -134,20 +134,24 @@ class History(Shown):
 
     def moment(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """EI z_xx, the bending moment (14a), N m.  See `History.evaluate`."""
-        return self.problem.beam.EI * self.evaluate(x, t, dx=2)
+        return self._stiffness(x) * self.evaluate(x, t, dx=2)
 
     def bending_stress(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """-E c z_xx, the bending stress at the top of the section, Pa, tension positive.  See `History.evaluate`.
 
-        The top lies c above the axis; the stress at the bottom is the opposite.  A beam without a section is an
-        `InputError`.
+        The top lies c above the axis; the stress at the bottom is the opposite.  At a step of the beam it is the larger
+        stress of both sides.  A beam without a section is an `InputError`.
         """
-        material, section = self.problem.beam.require_section("stress")
-        return -material.youngs_modulus * section.depth / 2 * self.evaluate(x, t, dx=2)
+        x_ = np.atleast_1d(np.asarray(x, dtype=float))
+        return -self.problem.beam.stress_per_moment_at(x_)[:, None] * self.moment(x_, t)
 
     def shear(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """EI z_xxx, the shear force (14b), N.  See `History.evaluate`."""
-        return self.problem.beam.EI * self.evaluate(x, t, dx=3)
+        return self._stiffness(x) * self.evaluate(x, t, dx=3)
+
+    def _stiffness(self, x: FloatArray | float) -> FloatArray:
+        """EI, N m2, at positions, m, ``(n, 1)``."""
+        return self.problem.beam.EI_at(np.atleast_1d(np.asarray(x, dtype=float)))[:, None]
 
     def evaluate(self, x: FloatArray | float, t: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
         """Any derivative of z; `Field` says what it is where it jumps.

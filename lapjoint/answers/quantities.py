@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
@@ -24,17 +26,19 @@ class Quantity:
     absolute: bool = False
     """Whether the motion of the base is added."""
 
-    def factor(self, problem: Problem) -> float:
-        """The constant by which the derivative is multiplied, in `units` over the units of the derivative."""
+    def factor(self, problem: Problem, x: FloatArray) -> FloatArray:
+        """What the derivative is multiplied by at places `x`, m, (n,): shape (n, 1), `units` over the derivative's."""
         beam = problem.beam
+        if self.dx < 2:
+            return np.ones((x.size, 1))
+        factor = beam.EI_at(x)
         if self.name == "stress":
-            material, section = beam.require_section("stress")
-            return -material.youngs_modulus * section.depth / 2
-        return beam.EI if self.dx > 1 else 1.0
+            factor = -beam.stress_per_moment_at(x) * factor
+        return factor[:, None]
 
     def of(self, history: History, x: FloatArray, t: FloatArray) -> FloatArray:
         """The quantity at places `x`, m, (n,), and times `t`, s, (m,): shape (n, m), in `units`."""
-        values = self.factor(history.problem) * history.evaluate(x, t, self.dx, self.dt)
+        values = self.factor(history.problem, x) * history.evaluate(x, t, self.dx, self.dt)
         return values + history.base(t, self.dt) if self.absolute else values
 
 
@@ -47,7 +51,13 @@ _ALL = (
     Quantity("absolute_acceleration", "m s-2", "acceleration, that of the base added", 0, 2, True),
     Quantity("moment", "N m", "bending moment, EI z_xx", 2, 0),
     Quantity("shear", "N", "shear force, EI z_xxx; where it jumps, the value to the left", 3, 0),
-    Quantity("stress", "Pa", "bending stress at the top of the section, tension positive", 2, 0),
+    Quantity(
+        "stress",
+        "Pa",
+        "bending stress at the top of the section, tension positive; at a step the larger of both sides",
+        2,
+        0,
+    ),
 )
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
 """The quantities by their names, in the order in which they are listed."""
@@ -61,5 +71,5 @@ def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collecti
         what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
         raise InputError(f"{what}; allowed: {', '.join(allowed)}")
     if "stress" in chosen:
-        problem.beam.require_section("quantity 'stress'")
+        problem.beam.require_sections("quantity 'stress'")
     return chosen

@@ -48,7 +48,7 @@ def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
     base, forces = problem.base_motion, problem.forces
     if forces.sampled or problem.excitation_frequency is None:
         return None
-    of_base = np.array([force.x is None for force in forces.harmonic], dtype=float)
+    of_base = np.array([force.of_base for force in forces.harmonic], dtype=float)
     if field == FREQUENCY:
         value = base.angular_frequency if isinstance(base, _PERIODIC) else problem.excitation_frequency
         return change_with(FREQUENCY, value, of_base)

@@ -4,13 +4,13 @@ The beam lies along x, from the root (x = 0) to the tip (x = L).  z(x, t) is the
 moving base, positive upwards; y(t) is the base: a sine, a sum of harmonics, a record, or random.  With
 E I = EI and rho A = m::
 
-    EI z'''' + damping + m z_tt = -m y_tt + supports + stops + point loads
+    (EI z'')'' + damping + m z_tt = -m y_tt + supports + stops + masses + gravity + loads
 
 A closed stop pushes with ``-k (|z| - gap) sign(z)``.  SI units throughout, angles in radians, angular
 frequencies in rad/s.  Nothing numerical (modes, elements, tolerances) belongs here.
 """
 
-from lapjoint.problem.beam import Beam, Circle, Material, Rectangle, Section, Tube
+from lapjoint.problem.beam import Beam, BeamPiece, BeamSegment, Circle, Material, Rectangle, Section, Tube
 from lapjoint.problem.damping import Damping, ModalDamping, NoDamping, ViscousDamping
 from lapjoint.problem.excitation import (
     AnyBaseMotion,
@@ -32,11 +32,13 @@ from lapjoint.problem.initial import (
     ShapeFunction,
     initial_from_functions,
 )
+from lapjoint.problem.masses import Mass
 from lapjoint.problem.presets import paper_joint, sdnl104
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
+from lapjoint.problem.static_loads import Gravity, UniformLoad
 from lapjoint.problem.supports_and_stops import Side, Stop, Support
 
 __all__ = [
@@ -45,14 +47,18 @@ __all__ = [
     "BaseHarmonic",
     "BaseMotion",
     "Beam",
+    "BeamPiece",
+    "BeamSegment",
     "Circle",
     "Damping",
     "Finite",
     "FloatArray",
+    "Gravity",
     "HarmonicsBaseMotion",
     "HarmonicsLoad",
     "InitialState",
     "LoadHarmonic",
+    "Mass",
     "Material",
     "ModalDamping",
     "NoDamping",
@@ -77,6 +83,7 @@ __all__ = [
     "Stop",
     "Support",
     "Tube",
+    "UniformLoad",
     "ViscousDamping",
     "initial_from_functions",
     "paper_joint",

@@ -147,7 +147,7 @@ def _table(part: BaseModel) -> dict[str, Any]:
         value = getattr(part, name)
         if value is None or (name not in _ALWAYS and not info.is_required() and value == info.default):
             continue
-        table[name] = _value(value)
+        table[info.alias or name] = _value(value)
     return table
 
 

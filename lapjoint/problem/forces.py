@@ -9,10 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from lapjoint.problem.excitation import MOST_MULTIPLE, AnyBaseMotion, PointLoad
+from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.ramps import RampBlocks, RandomForce, RecordedForce, SampledForce
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import FloatArray
+from lapjoint.problem.structure import Structure
 
 _WHOLE = 1e-12
 """Relative distance of a quotient of frequencies from a whole number, below which it is rounding."""
@@ -20,33 +22,35 @@ _WHOLE = 1e-12
 
 @dataclass(frozen=True)
 class ConstantForce:
-    """A force at a point, from t = 0 on."""
+    """A force that is there from t = 0 on: a step load, gravity or a uniform load."""
 
-    x: float
-    """Position, m."""
+    shape: LoadShape
+    """Where the force acts."""
     force: float
-    """N, positive upwards."""
+    """Size: N of a point load, N/m of a uniform load, m/s2 of gravity; positive upwards."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at times `t`, s, shape (m,), in N."""
+        """The size at times `t`, s, shape (m,)."""
         return np.full(np.shape(t), self.force)
 
 
 @dataclass(frozen=True)
 class HarmonicForce:
-    """A force amplitude sin(angular_frequency t + phase), at a point or uniform along the beam."""
+    """A force of the size amplitude sin(angular_frequency t + phase)."""
 
-    x: float | None
-    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    shape: LoadShape
+    """Where the force acts."""
     amplitude: float
-    """N at a point, N/m along the beam; positive upwards."""
+    """N of a point load, m/s2 of the inertia of the moving base; positive upwards."""
     angular_frequency: float
     """rad/s."""
     phase: float
     """rad."""
+    of_base: bool = False
+    """Whether the force is the inertia of the moving base."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at times `t`, s, shape (m,), in N at a point, or N/m along the beam."""
+        """The size at times `t`, s, shape (m,)."""
         return np.asarray(self.amplitude * np.sin(self.angular_frequency * t + self.phase))
 
 
@@ -108,33 +112,39 @@ def multiple_of(fundamental: float, omega: float) -> int:
     return nearest if abs(quotient - nearest) <= _WHOLE * nearest else 0
 
 
-def inertial_load(mass_per_length: float, amplitude: float, angular_frequency: float) -> float:
-    """m Y omega^2, N/m: amplitude of the force on each part of a beam, relative to a base that moves as a sine."""
-    return mass_per_length * amplitude * angular_frequency**2
+def base_acceleration(amplitude: float, angular_frequency: float) -> float:
+    """Y omega^2, m/s2: amplitude of the force per mass on a beam, relative to a base that moves as a sine."""
+    return amplitude * angular_frequency**2
 
 
 def forces_of(
-    mass_per_length: float, base: AnyBaseMotion | None, loads: Iterable[PointLoad], fundamental: float | None
+    structure: Structure,
+    base: AnyBaseMotion | None,
+    loads: Iterable[PointLoad],
+    static: Iterable[ConstantForce],
+    fundamental: float | None,
 ) -> Forces:
-    """The forces by which a moving base and point loads drive the beam: relative to a base y(t) its parts feel -m y''.
+    """The forces by which a moving base, point loads and `static` loads drive the beam.
 
-    All periodic parts are whole multiples of the angular frequency `fundamental`, rad/s; None where there is none.
+    Relative to a base y(t) all masses feel -y'' each.  All periodic parts are whole multiples of the angular frequency
+    `fundamental`, rad/s; None where there is none.
     """
-    constant, harmonic = [], []
+    constant, harmonic = list(static), []
     sampled: list[SampledForce] = []
     if isinstance(base, RecordBaseMotion):
-        sampled.append(RecordedForce(None, base.motion.time, -mass_per_length * base.motion.acceleration))
+        sampled.append(RecordedForce(structure.inertia, base.motion.time, -base.motion.acceleration))
     if isinstance(base, RandomBaseMotion):
-        sampled.append(RandomForce(None, base.realisation, -mass_per_length))
+        sampled.append(RandomForce(structure.inertia, base.realisation, -1.0))
     for wave in () if base is None else base.waves:
-        inertia = inertial_load(mass_per_length, wave.amplitude, wave.angular_frequency)
-        harmonic.append(HarmonicForce(None, inertia, wave.angular_frequency, wave.phase))
+        acceleration = base_acceleration(wave.amplitude, wave.angular_frequency)
+        harmonic.append(HarmonicForce(structure.inertia, acceleration, wave.angular_frequency, wave.phase, True))
     for i, load in enumerate(loads):
+        place = LoadShape.at(load.x)
         if load.constant:
-            constant.append(ConstantForce(load.x, load.constant))
+            constant.append(ConstantForce(place, load.constant))
         if isinstance(load, RecordLoad):
-            sampled.append(RecordedForce(load.x, load.time, load.force))
+            sampled.append(RecordedForce(place, load.time, load.force))
         if isinstance(load, RandomLoad):
-            sampled.append(RandomForce(load.x, load.realisation(i), 1.0))
-        harmonic += [HarmonicForce(load.x, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
+            sampled.append(RandomForce(place, load.realisation(i), 1.0))
+        harmonic += [HarmonicForce(place, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
     return Forces(tuple(constant), tuple(harmonic), None if sampled else fundamental, tuple(sampled))

@@ -66,20 +66,26 @@ def hints(beam: Beam, stops: Sequence[Stop], damping: Damping, forces: Forces) -
 
 def _of_beam(beam: Beam) -> Iterator[str]:
     yield from LENGTH.hint("beam.length", beam.length)
-    if beam.material is not None and beam.section is not None:
-        yield from _of_material(beam.material)
-        yield from _of_section(beam.section, beam.length)
+    if beam.material is not None:
+        yield from _of_material("beam.material", beam.material)
+    if beam.section is not None:
+        yield from _of_section("beam.section", beam.section, beam.length)
+    for i, segment in enumerate(beam.segments):
+        if segment.material is not None:
+            yield from _of_material(f"beam.segments[{i}].material", segment.material)
+        if segment.section is not None:
+            yield from _of_section(f"beam.segments[{i}].section", segment.section, beam.length)
 
 
-def _of_material(material: Material) -> Iterator[str]:
-    yield from YOUNGS_MODULUS.hint("beam.material.youngs_modulus", material.youngs_modulus, " (steel has 2.05e11)")
-    yield from DENSITY.hint("beam.material.density", material.density, " (steel has 7850)")
+def _of_material(path: str, material: Material) -> Iterator[str]:
+    yield from YOUNGS_MODULUS.hint(f"{path}.youngs_modulus", material.youngs_modulus, " (steel has 2.05e11)")
+    yield from DENSITY.hint(f"{path}.density", material.density, " (steel has 7850)")
 
 
-def _of_section(section: Section, length: float) -> Iterator[str]:
+def _of_section(path: str, section: Section, length: float) -> Iterator[str]:
     if section.depth > SLENDER * length:
         guess = "; were mm meant? " + _thousandth(section.depth) if section.depth / 1000 < SLENDER * length else ""
-        yield f"beam.section: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
+        yield f"{path}: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
 
 
 def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:

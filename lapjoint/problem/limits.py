@@ -14,8 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.problem.beam import LEAST, MOST, Beam
-from lapjoint.problem.damping import Damping, ModalDamping, ViscousDamping
+from lapjoint.problem.beam import LEAST, MOST, NEAREST
+from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
 from lapjoint.problem.initial import AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
@@ -30,8 +30,6 @@ _STIFFEST = 1e13
 """Largest stiffness of a stop, divided by EI / L^3: too few digits are left for the compression of a stiffer stop."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
-_NEAREST = 1e-12
-"""Distance, divided by the length of the beam, within which two positions may be one, except for rounding."""
 _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
@@ -41,12 +39,15 @@ def faults_of_size(
 ) -> Iterator[str]:
     """A line for each number of a problem that is out of its limits; the parts are valid, and those of the excitation
     are given by their paths."""
+    for i, mass in enumerate(joint.masses):
+        yield from _stated(f"masses[{i}].mass", mass.mass, "kg")
+        yield from _stated(f"masses[{i}].rotary_inertia", mass.rotary_inertia, "kg m2")
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
     yield from _of_places(joint, excitation)
     yield from _of_stiffness(joint)
-    yield from _of_damping(joint.damping, joint.beam)
+    yield from _of_damping(joint)
     yield from faults_of_excitation(excitation)
     yield from _of_initial_state(initial, joint.beam.length)
 
@@ -92,18 +93,19 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
 def _of_places(joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
     """Parts within rounding of the root, and supports within rounding of each other: the messages ask whether a clamp
     was meant."""
-    least = _NEAREST * joint.beam.length
+    least = NEAREST * joint.beam.length
     supports = {f"supports[{i}].x": support.x for i, support in enumerate(joint.supports)}
     stops = {f"stops[{i}].x": stop.x for i, stop in enumerate(joint.stops)}
+    masses = {f"masses[{i}].x": mass.x for i, mass in enumerate(joint.masses)}
     loads = {f"{path}.x": load.x for path, load in excitation.items() if hasattr(load, "x")}
-    for path, x in (supports | stops | loads).items():
+    for path, x in (supports | stops | masses | loads).items():
         if 0 < x <= least:
-            yield f"{path} = {x:g}: must be 0, or more than {_NEAREST:g} of the length, which is {least:.2g} m"
+            yield f"{path} = {x:g}: must be 0, or more than {NEAREST:g} of the length, which is {least:.2g} m"
     for (one, x), (other, y) in pairwise(sorted(supports.items(), key=lambda item: item[1])):
         if 0 < y - x <= least and x > least:
             yield (
                 f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
-                f"{_NEAREST:g} of the length, which is {least:.2g} m"
+                f"{NEAREST:g} of the length, which is {least:.2g} m"
             )
 
 
@@ -128,8 +130,9 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
             )
 
 
-def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
-    """Damping too large for double precision to hold the slower of two decay rates."""
+def _of_damping(joint: Structure) -> Iterator[str]:
+    """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
+    damping, beam = joint.damping, joint.beam
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
         for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
@@ -137,6 +140,11 @@ def _of_damping(damping: Damping, beam: Beam) -> Iterator[str]:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
+        if joint.masses or any(piece.inertia != beam.pieces[0].inertia for piece in beam.pieces):
+            yield (
+                'damping.kind = "viscous": masses, or a mass per length that changes, make this damping couple the '
+                'modes; allowed with them are "modal" and "none"'
+            )
         critical = 2 * beam.m * beam.slowest_bending
         if not damping.coefficient <= _MOST_DAMPED * critical:
             yield (

@@ -15,14 +15,17 @@ from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad
-from lapjoint.problem.forces import Forces, common_fundamental, forces_of
+from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
 from lapjoint.problem.initial import AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
+from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.masses import Mass
 from lapjoint.problem.messages import shown
 from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
+from lapjoint.problem.static_loads import Gravity, UniformLoad
 from lapjoint.problem.structure import Structure, structure_of
 from lapjoint.problem.supports_and_stops import Stop, Support
 
@@ -48,14 +51,18 @@ class Problem(Part):
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
     """Gapped one-sided springs."""
+    masses: tuple[Mass, ...] = ()
+    """Masses that the beam carries at points."""
     damping: Damping = NoDamping()
     base_motion: AnyBaseMotion | None = None
     point_loads: tuple[PointLoad, ...] = ()
+    gravity: Gravity | None = None
+    uniform_loads: tuple[UniformLoad, ...] = ()
     initial: InitialState = AtRest()
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        joint = Structure(self.beam, self.supports, self.stops, self.damping)
+        joint = Structure(self.beam, self.supports, self.stops, self.damping, self.masses)
         of_size = faults_of_size(joint, self._excitation, self.initial)
         faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size]
         if not faults:
@@ -73,13 +80,24 @@ class Problem(Part):
     @cached_property
     def structure(self) -> Structure:
         """The joint without its excitation and its start; copies `with_excitation` share it."""
-        return structure_of(self.beam, self.supports, self.stops, self.damping)
+        return structure_of(self.beam, self.supports, self.stops, self.damping, self.masses)
 
     @cached_property
     def forces(self) -> Forces:
         """All that drives the beam, as lists of forces that solvers read."""
         fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
-        return forces_of(self.beam.m, self.base_motion, self.point_loads, fundamental)
+        return forces_of(self.structure, self.base_motion, self.point_loads, self.static_loads, fundamental)
+
+    @cached_property
+    def static_loads(self) -> tuple[ConstantForce, ...]:
+        """Gravity and the uniform loads."""
+        found = []
+        if self.gravity is not None:
+            found.append(ConstantForce(self.structure.weight, self.gravity.acceleration))
+        for load in self.uniform_loads:
+            end = self.beam.length if load.to is None else load.to
+            found.append(ConstantForce(LoadShape.along(load.start, end), load.force_per_length))
+        return tuple(force for force in found if force.force)
 
     @property
     def excitation_frequency(self) -> float | None:
@@ -318,13 +336,17 @@ def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict
 
 
 def _outside_the_beam(
-    problem: Problem, groups: tuple[str, ...] = ("supports", "stops", "point_loads")
+    problem: Problem, groups: tuple[str, ...] = ("supports", "stops", "masses", "point_loads", "uniform_loads")
 ) -> Iterator[str]:
     L = problem.beam.length
     for group in groups:
         for i, part in enumerate(getattr(problem, group)):
-            if part.x > L:
-                yield f"{group}[{i}].x = {part.x:g}: lies outside the beam; allowed are 0 to {L:g} m"
+            for field in ("x", "to"):
+                x = getattr(part, field, None)
+                if x is not None and x > L:
+                    yield f"{group}[{i}].{field} = {x:g}: lies outside the beam; allowed are 0 to {L:g} m"
+            if group == "uniform_loads" and part.to is None and part.start >= L:
+                yield f"{group}[{i}].from = {part.start:g}: must be less than the length of the beam, {L:g} m"
 
 
 def _names_used_twice(problem: Problem) -> Iterator[str]:

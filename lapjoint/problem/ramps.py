@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.realisation import Realisation
 from lapjoint.problem.schema import FloatArray, IntArray
 
@@ -22,11 +23,11 @@ _CREST = 4.0
 
 
 class SampledForce(Protocol):
-    """A force that is linear between knots, at a point or uniform along the beam."""
+    """A force whose size is linear between knots: N of a point load, m/s2 of the inertia of a moving base."""
 
     @property
-    def x(self) -> float | None:
-        """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    def shape(self) -> LoadShape:
+        """Where the force acts."""
 
     @property
     def end(self) -> float:
@@ -43,25 +44,25 @@ class SampledForce(Protocol):
 
     @property
     def size(self) -> float:
-        """A magnitude that the force hardly exceeds, N at a point, N/m along the beam."""
+        """A magnitude that the force hardly exceeds."""
 
     def knots_within(self, start: float, end: float) -> FloatArray:
         """The knots from one time to another, s, ascending, shape (K,)."""
 
     def at(self, t: FloatArray) -> FloatArray:
-        """The force at times `t`, s, (m,), up to the end: N at a point, N/m along the beam, positive upwards."""
+        """The force at times `t`, s, (m,), up to the end: size, positive upwards."""
 
 
 @dataclass(frozen=True, eq=False)
 class RecordedForce:
     """A recorded force: all its knots are known."""
 
-    x: float | None
-    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    shape: LoadShape
+    """Where the force acts."""
     knots: FloatArray
     """Times, s, ascending from 0, shape ``(K,)``."""
     values: FloatArray
-    """Force at the knots, N at a point, N/m along the beam, shape ``(K,)``; positive upwards."""
+    """Force at the knots, shape ``(K,)``; positive upwards."""
 
     @property
     def end(self) -> float:
@@ -82,7 +83,7 @@ class RecordedForce:
 
     @cached_property
     def size(self) -> float:
-        """The largest magnitude, N at a point, N/m along the beam."""
+        """The largest magnitude."""
         return float(np.abs(self.values).max())
 
     def knots_within(self, start: float, end: float) -> FloatArray:
@@ -98,12 +99,12 @@ class RecordedForce:
 class RandomForce:
     """A random force: any part of it is made when it is asked for."""
 
-    x: float | None
-    """Position, m; None for the inertia of the moving base, which is uniform along the beam."""
+    shape: LoadShape
+    """Where the force acts."""
     realisation: Realisation
     """The signal that it follows."""
     factor: float
-    """The force, N at a point, N/m along the beam, per unit of the signal."""
+    """The force, per unit of the signal."""
 
     @property
     def end(self) -> float:
@@ -123,7 +124,7 @@ class RandomForce:
 
     @property
     def size(self) -> float:
-        """`_CREST` times the force's root mean square, N at a point, N/m along the beam."""
+        """`_CREST` times the force's root mean square."""
         return _CREST * abs(self.factor) * float(np.sqrt(self.realisation.density.moment(0)))
 
     def knots_within(self, start: float, end: float) -> FloatArray:

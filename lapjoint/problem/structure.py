@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping
+from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.masses import Mass
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 _KEPT = 64
@@ -15,7 +17,7 @@ _KEPT = 64
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """A beam with its supports, stops and damping.
+    """A beam with its supports, stops, damping and masses.
 
     Equal ones are one object as long as it is cached: caches keyed by it need not compare its parts.
     """
@@ -24,12 +26,33 @@ class Structure:
     supports: tuple[Support, ...]
     stops: tuple[Stop, ...]
     damping: Damping
+    masses: tuple[Mass, ...] = ()
+
+    @cached_property
+    def inertia(self) -> LoadShape:
+        """All that moves, kg and kg/m: the shape of the force by which a moving base drives the beam."""
+        return LoadShape(
+            tuple((mass.x, mass.mass) for mass in self.masses if mass.mass),
+            tuple((piece.start, piece.end, piece.inertia) for piece in self.beam.pieces),
+        )
+
+    @cached_property
+    def weight(self) -> LoadShape:
+        """All on which gravity acts, kg and kg/m."""
+        along = tuple((piece.start, piece.end, piece.mass) for piece in self.beam.pieces)
+        return LoadShape(self.inertia.points, along)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return structure_of, (self.beam, self.supports, self.stops, self.damping)
+        return structure_of, (self.beam, self.supports, self.stops, self.damping, self.masses)
 
 
 @lru_cache(maxsize=_KEPT)
-def structure_of(beam: Beam, supports: tuple[Support, ...], stops: tuple[Stop, ...], damping: Damping) -> Structure:
+def structure_of(
+    beam: Beam,
+    supports: tuple[Support, ...],
+    stops: tuple[Stop, ...],
+    damping: Damping,
+    masses: tuple[Mass, ...] = (),
+) -> Structure:
     """The structure of these parts: one object for equal parts, as long as it is cached."""
-    return Structure(beam, supports, stops, damping)
+    return Structure(beam, supports, stops, damping, masses)

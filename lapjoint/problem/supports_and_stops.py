@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from lapjoint.problem.schema import NonNegative, Part, Positive, SpringStiffness
+from lapjoint.problem.schema import Finite, NonNegative, Part, Positive, SpringStiffness
 
 
 class Support(Part):
@@ -28,10 +28,12 @@ class Stop(Part):
     """Position, m, within the beam."""
     side: Side
     """"top" acts at z > gap, "bottom" at z < -gap."""
-    gap: NonNegative
-    """Gap when the beam is straight, m."""
+    gap: Finite
+    """Gap when the beam is straight, m; below 0 an interference, by which the stop presses the straight beam."""
     stiffness: Positive
     """Spring stiffness k, N/m."""
+    fixed_to: Literal["base", "space"] = "base"
+    """"base": the stop moves with the base; "space": the stop stands still, and the gap sees z + y."""
     name: str = ""
     """Name shown in tables; empty: numbered in the order given."""
 

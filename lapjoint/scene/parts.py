@@ -129,17 +129,17 @@ class Beam(Part):
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         beam, problem = sample.beam, self.layout.problem
-        z = beam["z"]
+        z, EI = beam["z"], problem.beam.EI_at(self.layout.stations)
         point = _displacements(_upwards(z), sample)
         if "z_t" in beam:
             point |= _velocities(_upwards(beam["z_t"]), sample)
         point |= {
             "slope": beam["z_x"],
-            "moment": problem.beam.EI * beam["z_xx"],
-            "shear": problem.beam.EI * beam["z_xxx"],
+            "moment": EI * beam["z_xx"],
+            "shear": EI * beam["z_xxx"],
         }
-        if problem.beam.material:
-            point["bending_stress"] = -problem.beam.material.youngs_modulus * self.layout.half_depth * beam["z_xx"]
+        if all(piece.section for piece in problem.beam.pieces):
+            point["bending_stress"] = -problem.beam.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
         force = np.zeros_like(z)
         for stop, station in enumerate(self.layout.at_stops):
             force[:, station] += sample.force[:, stop]

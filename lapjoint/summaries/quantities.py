@@ -37,9 +37,11 @@ class Selection:
 
     @cached_property
     def x(self) -> FloatArray:
-        """All places, with the stops, m, ascending, shape ``(X,)``."""
-        stops = [stop.x for stop in self.problem.stops]
-        return np.unique(np.concatenate([self.places, stops, np.linspace(0.0, self.problem.beam.length, STATIONS)]))
+        """All places, with stops, masses and steps of the beam, m, ascending, shape ``(X,)``."""
+        problem = self.problem
+        parts = [stop.x for stop in problem.stops] + [mass.x for mass in problem.masses]
+        parts += [piece.end for piece in problem.beam.pieces]
+        return np.unique(np.concatenate([self.places, parts, np.linspace(0.0, problem.beam.length, STATIONS)]))
 
     @cached_property
     def asked(self) -> IndexArray:
@@ -53,9 +55,9 @@ class Selection:
         return tuple(dict.fromkeys([(0, 0), *((one.dx, one.dt) for one in self.quantities)]))
 
     @cached_property
-    def factors(self) -> tuple[float, ...]:
-        """The factor of each quantity's derivative."""
-        return tuple(one.factor(self.problem) for one in self.quantities)
+    def factors(self) -> tuple[FloatArray, ...]:
+        """The factors of each quantity's derivative, ``(X, 1)``."""
+        return tuple(one.factor(self.problem, self.x) for one in self.quantities)
 
     @cached_property
     def _stops(self) -> tuple[IndexArray, FloatArray, FloatArray, FloatArray]:
@@ -100,7 +102,7 @@ def selection(
 ) -> Selection:
     """Quantities, by default those of `DEFAULT` that the problem has, and places, by default stops and free ends."""
     if quantities is None:
-        names = [name for name in DEFAULT if name != "stress" or problem.beam.section is not None]
+        names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.beam.pieces)]
     else:
         names = checked_quantities(problem, quantities, QUANTITIES)
     return Selection(problem, tuple(QUANTITIES[name] for name in names), tuple(places_of(problem, at)))

@@ -139,7 +139,7 @@ def event_located(solver: fe_lapjoint.Solver, problem: Problem, duration: float)
     (stop,) = problem.stops
     row, n = assembly.stop_rows[0], assembly.free.size
     inverse = np.linalg.inv(assembly.mass)
-    unit, push = inverse @ assembly.uniform_load * load.amplitude, inverse @ row * stop.stiffness * stop.gap
+    unit, push = inverse @ assembly.load(load.shape) * load.amplitude, inverse @ row * stop.stiffness * stop.gap
     t, y, closed, switches = 0.0, np.zeros(2 * n), False, list[float]()
     while t < duration:
         K = inverse @ assembly.stiffness(ContactState((0,)) if closed else FREE)

@@ -35,11 +35,11 @@ def _by_mode(problem: Problem, force: HarmonicForce, x: FloatArray) -> np.ndarra
     assert isinstance(damping, ModalDamping)
     modes = analytic.Solver().modes(problem.replace(stops=(), point_loads=()), FREE, _MODES)
     omega = np.asarray(modes.angular_frequencies)
-    if force.x is None:
+    if force.of_base:
         s, w = np.polynomial.legendre.leggauss(400)
-        share = np.asarray(modes.shapes((s + 1) * L / 2)) @ (w * L / 2)
+        share = problem.beam.m * np.asarray(modes.shapes((s + 1) * L / 2)) @ (w * L / 2)
     else:
-        share = np.asarray(modes.shapes(np.array([force.x])))[:, 0]
+        share = np.asarray(modes.shapes(np.array([force.shape.points[0][0]])))[:, 0]
     square = omega**2 - force.angular_frequency**2 + 2j * damping.ratios(_MODES) * omega * force.angular_frequency
     return np.asarray((force.amplitude * share / square) @ np.asarray(modes.shapes(x)))
 
@@ -51,9 +51,9 @@ def _by_span(problem: Problem, force: HarmonicForce, x: FloatArray) -> np.ndarra
     with mp.workdps(_DIGITS):
         EI, inertia = mp.mpf(beam.EI), mp.mpc(mp.mpf(beam.m) * w**2, -w * damping.coefficient)
         beta = (inertia / EI) ** (mp.mpf(1) / 4)
-        loaded = [] if force.x is None else [force.x]
+        loaded = [] if force.of_base else [force.shape.points[0][0]]
         nodes = sorted({0.0, beam.length, *(support.x for support in supports), *loaded})
-        particular = -force.amplitude / inertia if force.x is None else mp.mpf(0)
+        particular = -force.amplitude * beam.m / inertia if force.of_base else mp.mpf(0)
         size = 4 * (len(nodes) - 1)
         matrix, right = mp.zeros(size, size), mp.zeros(size, 1)
         row = 0

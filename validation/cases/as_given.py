@@ -28,6 +28,7 @@ from lapjoint.answers.steady_state import chatters, impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
+from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.override import override
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.textbook_equations import BEAMS, roots
@@ -205,16 +206,17 @@ def meanings(problem: Problem) -> Iterator[Check]:
 
 def driving(problem: Problem) -> Iterator[Check]:
     """The forces on the beam of `FILE` at one time, by arithmetic."""
-    t, m = 0.0217, 2713.0 * math.pi * (0.061**2 - 0.047**2) / 4
+    t = 0.0217
     by_place = {
-        None: m * 2.7e-3 * 143.0**2 * math.sin(143.0 * t + 0.37),
+        None: 2.7e-3 * 143.0**2 * math.sin(143.0 * t + 0.37),
         1.1: -17.0,
         0.45: 23.0 * math.sin(143.0 * t - 1.21),
         1.6: 5.0 * math.sin(71.5 * t + 0.8) - 7.0 * math.sin(214.5 * t - 0.3),
     }
     for x, force in by_place.items():
-        found = sum(float(one.at(np.array([t]))[0]) for one in problem.forces.every if one.x == x)
-        name, unit = ("force along the beam", "N/m") if x is None else (f"force at {x:g} m", "N")
+        shape = problem.structure.inertia if x is None else LoadShape.at(x)
+        found = sum(float(one.at(np.array([t]))[0]) for one in problem.forces.every if one.shape == shape)
+        name, unit = ("acceleration of the base", "m/s2") if x is None else (f"force at {x:g} m", "N")
         yield same(f"{name} at {t:g} s", found, force, unit, 100 * ROUNDING)
 
 

@@ -16,10 +16,10 @@ FE = (
     Fault(
         "fe-base-load",
         "a factor",
-        "fe_lapjoint:_shape",
+        "fe_lapjoint:Assembly.load",
         "The inertia load of the moving base is a thousandth too large.",
-        old="assembly.uniform_load",
-        new="1.001 * assembly.uniform_load",
+        old="force * self._matrices[2][self.free]",
+        new="1.001 * force * self._matrices[2][self.free]",
     ),
     Fault(
         "fe-torsion-soft",

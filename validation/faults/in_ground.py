@@ -74,8 +74,8 @@ GROUND = (
         "a factor",
         "lapjoint:History.moment",
         "Bending moments are a thousandth too large.",
-        old="return self.problem.beam.EI * self.evaluate(x, t, dx=2)",
-        new="return 1.001 * self.problem.beam.EI * self.evaluate(x, t, dx=2)",
+        old="return self._stiffness(x) * self.evaluate(x, t, dx=2)",
+        new="return 1.001 * self._stiffness(x) * self.evaluate(x, t, dx=2)",
     ),
     Fault(
         "impulses-per-period",
@@ -210,8 +210,8 @@ GROUND = (
         "a factor",
         "lapjoint:forces_of",
         "The inertia load of a recorded base is a thousandth too large.",
-        old="-mass_per_length * base.motion.acceleration",
-        new="-1.001 * mass_per_length * base.motion.acceleration",
+        old="-base.motion.acceleration",
+        new="-1.001 * base.motion.acceleration",
     ),
     Fault(
         "record-first-knots-only",

@@ -112,10 +112,10 @@ SUMMARIES = (
     Fault(
         "stress-of-the-whole-depth",
         "a factor",
-        "lapjoint:Quantity.factor",
+        "lapjoint:Beam.stress_per_moment_at",
         "Stress is that at a fibre a whole depth from the axis, not half of it.",
-        old="... * section.depth / 2",
-        new="... * section.depth",
+        old="piece.section.depth / 2",
+        new="piece.section.depth",
     ),
     Fault(
         "series-late",

@@ -119,7 +119,7 @@ class Model:
         for tag, force in enumerate(problem.forces.harmonic, start=1):
             ops.timeSeries("Trig", tag, 0.0, 1e9, 2 * math.pi / force.angular_frequency)
             ops.pattern("Plain", tag, tag)
-            ops.eleLoad("-ele", *range(self.nodes.size - 1), "-type", "-beamUniform", force.amplitude)
+            ops.eleLoad("-ele", *range(self.nodes.size - 1), "-type", "-beamUniform", beam.m * force.amplitude)
         for command, *options in _ANALYSIS:
             getattr(ops, command)(*options)
 

@@ -167,9 +167,7 @@ def over_nodes(arcs: Arcs, state: ContactState) -> FloatArray:
     drag = np.full(n, getattr(problem.damping, "coefficient", 0.0))
     if isinstance(problem.damping, ModalDamping):
         drag = problem.damping.ratios(n) * 2 * omega
-    constant = sum(
-        (load.force * assembly.reading(load.x) for load in forces.constant if load.x is not None), np.zeros(n)
-    )
+    constant = sum((load.force * assembly.load(load.shape) for load in forces.constant), np.zeros(n))
     for k in state.closed:
         stop = problem.stops[k]
         constant = constant + stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
@@ -180,7 +178,7 @@ def over_nodes(arcs: Arcs, state: ContactState) -> FloatArray:
     A[n : 2 * n, -1] = np.linalg.solve(M, constant)
     for i, load in enumerate(forces.harmonic):
         sine = 2 * n + 2 * i
-        A[n : 2 * n, sine] = np.linalg.solve(M, load.amplitude * assembly.uniform_load)
+        A[n : 2 * n, sine] = np.linalg.solve(M, load.amplitude * assembly.load(load.shape))
         A[sine, sine + 1], A[sine + 1, sine] = load.angular_frequency, -load.angular_frequency
     return A
 

@@ -19,19 +19,21 @@ from lapjoint.problem import (
     StepLoad,
 )
 from lapjoint.problem.forces import ConstantForce, HarmonicForce
+from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.ramps import RampBlocks, RecordedForce
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=1.25)
+INERTIA = LoadShape(pieces=((0.0, 2.0, 1.25),))
 TIMES = np.linspace(0.0, 2.0, 9)
 
 
 def test_a_moving_base_acts_by_the_inertia_of_the_beam() -> None:
     base = BaseMotion(amplitude=2e-3, angular_frequency=7.0, phase=0.4)
     (force,) = Problem(beam=BEAM, base_motion=base).forces.every
-    assert force.x is None
-    inertia = 1.25 * 2e-3 * 49 * np.sin(7 * TIMES + 0.4)
-    assert np.allclose(force.at(TIMES), inertia, rtol=1e-12)
-    assert np.allclose(-1.25 * base.at(TIMES, 2), inertia, rtol=1e-12)
+    assert force.shape == INERTIA
+    acceleration = 2e-3 * 49 * np.sin(7 * TIMES + 0.4)
+    assert np.allclose(force.at(TIMES), acceleration, rtol=1e-12)
+    assert np.allclose(-base.at(TIMES, 2), acceleration, rtol=1e-12)
 
 
 def test_the_base_moves_as_its_derivatives_say() -> None:
@@ -49,8 +51,11 @@ def test_loads_at_points_come_after_the_base_and_empty_constants_not_at_all() ->
     )
     base = BaseMotion(amplitude=0.0, angular_frequency=70.0)
     forces = Problem(beam=BEAM, base_motion=base, point_loads=loads).forces
-    assert forces.constant == (ConstantForce(1.0, 4.0),)
-    assert forces.harmonic == (HarmonicForce(None, 0.0, 70.0, 0.0), HarmonicForce(0.5, -3.0, 11.0, 1.0))
+    assert forces.constant == (ConstantForce(LoadShape.at(1.0), 4.0),)
+    assert forces.harmonic == (
+        HarmonicForce(INERTIA, 0.0, 70.0, 0.0, of_base=True),
+        HarmonicForce(LoadShape.at(0.5), -3.0, 11.0, 1.0),
+    )
     assert np.array_equal(forces.constant[0].at(TIMES), np.full(9, 4.0))
     assert np.allclose(forces.harmonic[1].at(TIMES), -3.0 * np.sin(11 * TIMES + 1), rtol=1e-12)
 
@@ -65,8 +70,8 @@ def test_the_fastest_force_is_one_that_has_a_size() -> None:
 
 
 def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
-    first = RecordedForce(None, np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, -2.0]))
-    second = RecordedForce(0.5, np.array([0.0, 1.0 + 1e-12, 2.0, 4.0]), np.array([5.0, 5.0, 7.0, 9.0]))
+    first = RecordedForce(INERTIA, np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0, -2.0]))
+    second = RecordedForce(LoadShape.at(0.5), np.array([0.0, 1.0 + 1e-12, 2.0, 4.0]), np.array([5.0, 5.0, 7.0, 9.0]))
     ramps = RampBlocks((first, second)).block_at(0.0)
     assert ramps.time.tolist() == [0.0, 1.0, 2.0, 3.0]  # up to where the first of them ends
     t = np.array([0.25, 1.0, 1.5, 2.75])
@@ -80,10 +85,9 @@ def test_sampled_forces_are_linear_between_the_knots_of_all() -> None:
 
 def test_knots_that_are_uneven_have_no_spacing_of_their_own() -> None:
     even = np.arange(1001) / 1000.0
-    assert RecordedForce(None, even, even).x is None
-    ramps = RampBlocks((RecordedForce(None, even, even),)).block_at(0.0)
+    ramps = RampBlocks((RecordedForce(INERTIA, even, even),)).block_at(0.0)
     assert abs(ramps.spacing - 1e-3) < 1e-18
-    uneven = RampBlocks((RecordedForce(None, even**1.5, even),)).block_at(0.0)
+    uneven = RampBlocks((RecordedForce(INERTIA, even**1.5, even),)).block_at(0.0)
     assert not np.any(np.abs(np.diff(uneven.time)[1:] - uneven.spacing) < 1e-12)
 
 
@@ -97,10 +101,10 @@ def harmonics(omega: float, *multiples: int, amplitude: float = 1e-3) -> Harmoni
 
 def test_harmonics_of_the_base_act_by_their_own_accelerations() -> None:
     problem = Problem(beam=BEAM, base_motion=harmonics(2.0, 1, 5))
-    inertia = 1.25 * 1e-3 * (4 * np.sin(2 * TIMES + 0.1) + 100 * np.sin(10 * TIMES + 0.5))
-    assert np.allclose(sum(force.at(TIMES) for force in problem.forces.every), inertia, rtol=1e-12)
+    acceleration = 1e-3 * (4 * np.sin(2 * TIMES + 0.1) + 100 * np.sin(10 * TIMES + 0.5))
+    assert np.allclose(sum(force.at(TIMES) for force in problem.forces.every), acceleration, rtol=1e-12)
     assert problem.base_motion is not None
-    assert np.allclose(-1.25 * problem.base_motion.at(TIMES, 2), inertia, rtol=1e-12)
+    assert np.allclose(-problem.base_motion.at(TIMES, 2), acceleration, rtol=1e-12)
     assert problem.forces.fundamental == 2.0
     assert problem.forces.fastest == 10.0
 
@@ -112,7 +116,10 @@ def test_harmonics_of_a_load_act_at_its_place() -> None:
         harmonics=(LoadHarmonic(multiple=4, force=-2.0, phase=0.3), LoadHarmonic(multiple=1, force=0.0)),
     )
     forces = Problem(beam=BEAM, point_loads=(load,)).forces
-    assert forces.harmonic == (HarmonicForce(0.5, -2.0, 12.0, 0.3), HarmonicForce(0.5, 0.0, 3.0, 0.0))
+    assert forces.harmonic == (
+        HarmonicForce(LoadShape.at(0.5), -2.0, 12.0, 0.3),
+        HarmonicForce(LoadShape.at(0.5), 0.0, 3.0, 0.0),
+    )
     assert forces.fundamental == 3.0
 
 

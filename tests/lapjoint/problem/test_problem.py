@@ -326,7 +326,7 @@ def test_a_section_that_underflows_is_refused() -> None:
     ("make", "message"),
     [
         (lambda: Stop(x=0.5, side="topp", gap=1.0, stiffness=1.0), 'Stop: side = "topp": must be "top" or "bottom"'),
-        (lambda: Stop(x=0.5, side="top", gap=-1.0, stiffness="1"), "Stop: 2 faults\n  gap = -1"),
+        (lambda: Stop(x=-0.5, side="top", gap=1.0, stiffness="1"), "Stop: 2 faults\n  x = -0.5"),
         (lambda: paper_joint().replace(stop=()), "Problem: stop: unknown key; did you mean stops?"),
         (lambda: Problem(beam={"length": 1.0}), "Problem: beam: give either bending_stiffness"),
     ],

@@ -11,6 +11,7 @@ from scipy.signal import welch
 from scipy.stats import chi2, kurtosis, norm, skew
 
 from lapjoint.problem.density import Density
+from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.ramps import KNOTS, RampBlocks, RandomForce, RecordedForce
 from lapjoint.problem.realisation import MOST_TAPS, SMEAR, Realisation, edge, integrated, taps_for
 
@@ -142,8 +143,10 @@ def test_blocks_of_ramps_are_one_signal() -> None:
         Realisation(Density((20.0, top), (1.0, 1.0)), 8 * top, 3, part) for part, top in ((0, 200.0), (1, 130.0))
     )
     end = 10.3
-    record = RecordedForce(1.0, np.array([0.0, 0.013, 7.7, end]), np.array([0.0, 3.0, -2.0, 1.0]))
-    blocks = RampBlocks((RandomForce(None, one, 2.0), RandomForce(0.5, other, -1.0), record))
+    record = RecordedForce(LoadShape.at(1.0), np.array([0.0, 0.013, 7.7, end]), np.array([0.0, 3.0, -2.0, 1.0]))
+    blocks = RampBlocks(
+        (RandomForce(LoadShape.along(0.0, 1.0), one, 2.0), RandomForce(LoadShape.at(0.5), other, -1.0), record)
+    )
     assert blocks.end == end
     t, edges = np.sort(np.random.default_rng(1).uniform(0, end, 5000)), []
     block = blocks.block_at(0.0)
