@@ -12,30 +12,41 @@ from lapjoint.problem import Problem
 
 @dataclass(frozen=True, order=True)
 class ContactState:
-    """The set of closed stops, as indices into ``problem.stops``, ascending."""
+    """Which stops are closed, and which of the closed ones exert no force.
+
+    A damped stop is closed while the beam is beyond its gap.  It is released while it is closed and its force is 0,
+    because spring and damper together would pull.
+    """
 
     closed: tuple[int, ...] = ()
+    """Indices of the closed stops into ``problem.stops``, ascending."""
+    released: tuple[int, ...] = ()
+    """Indices of the closed stops whose force is 0, ascending; stops without damping are never among them."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "closed", tuple(sorted(set(self.closed))))
+        object.__setattr__(self, "released", tuple(sorted(set(self.released) & set(self.closed))))
 
     def __contains__(self, stop: int) -> bool:
         return stop in self.closed
 
     def toggled(self, stop: int) -> ContactState:
-        """The state after a stop has opened or closed.
+        """The state after a stop has opened or closed, or after its force has ended or begun.
 
         Parameters
         ----------
         stop : int
-            Index into ``problem.stops``.
+            Index k into ``problem.stops`` of a stop that opens or closes; or ``~k`` of a closed stop whose force ends
+            or begins again.
 
         Returns
         -------
         ContactState
-            This state without the stop if it is closed, else with it.
+            The state with this one change; a stop that closes presses.
         """
-        return ContactState(tuple(set(self.closed) ^ {stop}))
+        if stop < 0:
+            return ContactState(self.closed, tuple(set(self.released) ^ {~stop}))
+        return ContactState(tuple(set(self.closed) ^ {stop}), self.released)
 
     def name(self, problem: Problem) -> str:
         """The names of the closed stops, or ``free``.

@@ -32,6 +32,10 @@ class Stop(Part):
     """Gap when the beam is straight, m; below 0 an interference, by which the stop presses the straight beam."""
     stiffness: Positive
     """Spring stiffness k, N/m."""
+    damping: NonNegative = 0.0
+    """Damping c, N s/m: while the beam is beyond the gap by d, the force is k d + c d', or 0 if that would pull."""
+    may_pull: bool = False
+    """Whether spring and damper also pull, up to where the gap opens."""
     fixed_to: Literal["base", "space"] = "base"
     """"base": the stop moves with the base; "space": the stop stands still, and the gap sees z + y."""
     name: str = ""
