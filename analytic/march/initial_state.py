@@ -120,7 +120,7 @@ def _settle(
             z += flat.residual[u, 1 + h] * sizes[1 + h] * math.sin(phase[h])
         for i in range(begin.shape[1]):
             z += flat.weight[u, i] * begin[0, i]
-        pressed[k] = sign[k] * z > (gap[k] * (1 - TOUCHING) if flat.closed[k] else gap[k])
+        pressed[k] = sign[k] * z > (gap[k] - TOUCHING * abs(gap[k]) if flat.closed[k] else gap[k])
         if pressed[k] != flat.closed[k]:
             status = _ANOTHER
     return status
