@@ -19,8 +19,8 @@ from lapjoint.answers import History
 from lapjoint.answers.contact_state import can_be_closed
 from lapjoint.problem.supports_and_stops import Side
 
-FEW = (1, 5, 7, 8, 10)  # two stops that press at once, and stops of both signs
-QUICK = (1, 5, 15)
+FEW = (1, 5, 7)  # two stops that press at once, and stops of both signs
+QUICK = (1, 5)
 
 
 @pytest.mark.parametrize("index", FEW)
@@ -35,7 +35,7 @@ def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops_of_many_joints() -
         assert not [line for found in every for line in found]
 
 
-@pytest.mark.parametrize("solver", [ANALYTIC, COARSE])
+@pytest.mark.parametrize("solver", [ANALYTIC, pytest.param(COARSE, marks=pytest.mark.thorough)])
 def test_no_certificate_of_a_few_preloaded_joints_is_false(solver: AnySolver) -> None:
     check([judged(preloaded_joint, solver, index) for index in QUICK])
 
