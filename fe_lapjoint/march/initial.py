@@ -11,7 +11,6 @@ displacement does not have: differences of nodal values would leave their roundi
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -108,10 +107,8 @@ def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
 def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) -> tuple[FloatArray, FloatArray]:
     """K u of a shape of the beam in modal coordinates, and its rounding error, kg^1/2/s2 times the unit of the
     shape."""
-    beam, h = assembly.problem.beam, np.diff(assembly.nodes)
-    offset = np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
-    x = (assembly.nodes[:-1, None] + h[:, None] * offset).ravel()
-    bent = np.sqrt(beam.EI * np.repeat(h, 2) / 2) * shape(x, 2)
+    x, weight = assembly.strain_points
+    bent = weight * shape(x, 2)
     rows, k = assembly.springs(system.state)
     at_nodes = _nodal(assembly, shape)
     strained, loaded = assembly.curvature @ system.vectors, k[:, None] * (rows @ system.vectors)
