@@ -172,7 +172,7 @@ def _print_nearest(history: History) -> None:
     stops = history.problem.stops
     t = np.linspace(history.start, history.end, _TIMES)
     sides = np.array([stop.sign for stop in stops])[:, None]
-    reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
+    reach = (sides * history.seen_by_stops(t)).max(axis=1)
     gaps = np.array([stop.gap for stop in stops])
     names, _ = stop_column(history.problem)
     if gaps.min() < 0:  # a distance, because nothing can be a percentage of an interference

@@ -232,7 +232,7 @@ class Stops(Part):
         """See `lapjoint.scene.parts.Part.values`."""
         stops = self.layout.problem.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
-        moved = np.stack([sample.faces, np.broadcast_to(feet, sample.faces.shape)], axis=2)
+        moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
         return Values(
             _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
