@@ -47,7 +47,9 @@ def same(one: SectionPoint, other: SectionPoint) -> bool:
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_whole_periods_marched_at_once_end_at_the_same_bits_as_one_after_the_other(solver: str) -> None:
+def test_periods_marched_at_once_end_at_the_bits_of_one_after_the_other_and_so_does_half_a_one_more(
+    solver: str,
+) -> None:
     map_ = SOLVERS[solver].period_map(JOINTS[solver])
     point, impulses, switches = map_.initial(), np.zeros(len(map_.problem.stops)), 0
     for _ in range(5):
@@ -57,13 +59,7 @@ def test_whole_periods_marched_at_once_end_at_the_same_bits_as_one_after_the_oth
     assert same(at_once.end, point)
     assert at_once.impulses == pytest.approx(impulses, rel=1e-12)
     assert at_once.switches == switches > 0
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_half_a_period_more_begins_where_the_whole_ones_end(solver: str) -> None:
-    map_ = SOLVERS[solver].period_map(JOINTS[solver])
-    point = map_.march(map_.initial(), 4).end
-    assert same(map_.march(map_.initial(), 5).end, map_.march(point, 1).end)
+    assert same(map_.march(map_.initial(), 11).end, map_.march(point, 1).end)
 
 
 @pytest.mark.parametrize("solver", ["analytic", "FE"])
@@ -108,10 +104,7 @@ def test_simulate_ends_each_period_at_the_bits_of_the_search(solver: str) -> Non
 def test_a_switch_at_the_end_of_a_period_is_neither_lost_nor_made_twice(solver: str) -> None:
     """Whatever part of a period a joint starts at, marches and histories count alike."""
     for phase in np.linspace(0, 2 * math.pi, 9):
-        base = paper_joint().base_motion
-        assert base is not None
-        problem = paper_joint().replace(base_motion=base.model_copy(update={"phase": float(phase)}))
-        map_ = SOLVERS[solver].period_map(problem)
+        map_ = SOLVERS[solver].period_map(paper_joint().with_base_numbers(phase=float(phase)))
         point = map_.march(map_.initial(), 20).end
         passage, history = map_.march(point, 4), map_.history(point, 2)
         assert passage.switches == history.switch_times.size
@@ -139,20 +132,14 @@ def test_outcomes_do_not_depend_on_who_looks_on_or_on_what_is_measured(problem: 
         assert same(found.motion.point, alone.motion.point)
         assert found.acceptance.periods == alone.acceptance.periods
         assert same(found.acceptance.point, alone.acceptance.point)
+    assert alone.acceptance.pushes == 0
+    assert same(alone.acceptance.point, map_.march(map_.initial(), 2 * alone.acceptance.periods).end)
     assert unmeasured.acceptance.growth is None
     assert unmeasured.acceptance.sensitive is None
     done = [one for one, _ in calls]
     assert done == sorted(done)
     assert done[-1] == alone.acceptance.periods
     assert {most for _, most in calls} == {16_000}
-
-
-def test_where_a_motion_was_accepted_is_where_the_march_was() -> None:
-    for problem in (bar(0.8, (0.5, 5.0)), bar(3.0, (0.0, 20.0), ratio=0.03)):
-        map_ = Bar().period_map(problem)
-        found = searched(map_)
-        assert found.acceptance.pushes == 0
-        assert same(found.acceptance.point, map_.march(map_.initial(), 2 * found.acceptance.periods).end)
 
 
 class Noted:
@@ -189,27 +176,18 @@ def test_effort_in_switches_ends_in_undecided() -> None:
     assert found.acceptance.periods < TRANSIENT + STRETCH
 
 
-@pytest.fixture(scope="module")
-def too_long() -> Wandering:
+def test_a_motion_longer_than_allowed_is_not_certified_and_its_exponent_is_its_multipliers() -> None:
     """A bar that repeats after two periods, to a search that looks for one."""
     map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    found = searched(map_, max_period_multiple=1, max_periods=600, growth=False).motion
+    found, long = (
+        searched(map_, growth=False, **limits).motion for limits in ({"max_period_multiple": 1, "max_periods": 600}, {})
+    )
     assert isinstance(found, Wandering)
-    return found
-
-
-def test_longer_motions_than_allowed_are_not_certified(too_long: Wandering) -> None:
-    """No shorter search says that it repeats."""
-    assert too_long.outcome is Outcome.UNDECIDED
-    assert too_long.exponent.negative
-
-
-def test_the_exponent_of_a_motion_too_long_to_be_looked_for_is_its_multipliers(too_long: Wandering) -> None:
-    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    long = searched(map_, growth=False).motion
+    assert found.outcome is Outcome.UNDECIDED
+    assert found.exponent.negative
     assert isinstance(long, Orbit)
     decay = math.log(abs(long.multipliers[0])) / (2 * map_.period)
-    assert too_long.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
+    assert found.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
 
 
 # --- Courses -------------------------------------------------------------------------------------------------------
