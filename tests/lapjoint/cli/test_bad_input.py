@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from beams import unit_cantilever, with_stops
 from command_line import FEW, PAPER, SIMULATE, assert_refused, problem_file, run, run_well
 
-from lapjoint import paper_joint
+from lapjoint import paper_joint, write_problem
+from lapjoint.problem import RandomBaseMotion
 from lapjoint.problem.files import to_toml
 
 
@@ -26,9 +28,8 @@ def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) 
 def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
     evil, formula = "\x1b[2J\x9b31m\x07\u202e", "=HYPERLINK(1)"
     names = (evil, formula, "-1", "+x")
-    stops = [stop.model_copy(update={"name": name}) for stop, name in zip(paper_joint().stops, names, strict=True)]
     path, table = tmp_path / "problem.toml", tmp_path / "contacts.csv"
-    path.write_text(to_toml(paper_joint().replace(stops=tuple(stops), title=evil)))
+    write_problem(with_stops(paper_joint().replace(title=evil), *({"name": name} for name in names)), path)
     results = [
         run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
         run("modes", path, "--modes", "1"),
@@ -62,7 +63,7 @@ def test_a_bad_file_is_refused(command: tuple[str, ...], change: str, to: str, m
     assert_refused(run(*command, problem_file(tmp_path, change, to)), message)
 
 
-SERIES = (*SIMULATE, "--series", "a.csv")
+SERIES, FIGURE = (*SIMULATE, "--series", "a.csv"), (*SIMULATE, "--figure", "a.png")
 NOWHERE = ("sweep", PAPER, "--modes", "4")
 OUT = ("--out", "c.nc")
 RANGE = (*OUT, "--from", "1", "--to", "2")
@@ -107,6 +108,14 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("places without x", (*SERIES, "--at", "2.5"), "--at 2.5: must be x= and numbers"),
     ("places as text", (*SERIES, "--at", "x=tip"), "--at x=tip: must be x= and numbers"),
     ("place off the beam", (*SERIES, "--at", "x=1,99"), "x = 99: lies outside the beam; allowed are 0 to "),
+    ("places of nothing", (*SIMULATE, "--at", "x=1"), "--at: there is neither a series nor a figure that shows places"),
+    ("places in time", (*FIGURE, "--draw", "states", "--at", "x=1"), "--at: there is neither a series nor a figure"),
+    (
+        "two for one",
+        (*FIGURE, "--draw", "phase", "--at", "x=1,2"),
+        "--at x=1,2: figure phase shows one place; give one",
+    ),
+    ("place of a figure off the beam", (*FIGURE, "--at", "x=9"), "x = 9: lies outside the beam"),
     ("unknown quantity", (*SERIES, "--quantity", "force,slope"), "quantity 'slope': is unknown; allowed: displacement"),
     ("too many samples", (*SERIES, "--rate", "1e12"), "samples of each of"),
     ("no rate", (*SERIES, "--rate", "0"), "rate = 0: must be positive and finite, in Hz"),
@@ -118,7 +127,7 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("contacts as a picture", (*SIMULATE, "--contacts", "a.png"), "must end in .csv, .json"),
     ("a figure as a table", (*SIMULATE, "--figure", "a.csv"), "must end in .png, .svg, .pdf"),
     ("a drawing without a file", (*SIMULATE, "--draw", "phase"), "--draw phase: nothing is drawn without --figure"),
-    ("an unknown drawing", (*SIMULATE, "--figure", "a.png", "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
+    ("an unknown drawing", (*FIGURE, "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
     (
         "sections of what has no period",
         ("simulate", "preset:sdnl104", "--duration", "1e9", "--figure", "a.png", "--draw", "poincare"),
@@ -139,12 +148,14 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 200 to"),
     ("no scale", ("show", PAPER, "-o", "x.png", "--steady", "--scale", "0"), "scale = 0: must be positive"),
     ("export to a device", ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"), "/dev/null is not a directory"),
+    ("a link to itself", ("export", PAPER, "-o", "loop", "--duration", "1e9"), "loop is not a directory"),
     ("a name with a zero byte", ("export", PAPER, "-o", "a\0", "--duration", "1e9"), "embedded null byte"),
     ("a file with a zero byte", (*SIMULATE, "--contacts", "a\0.csv"), "embedded null byte"),
     ("no name of a curve", ("plot", ""), "'': is no file"),
     ("a folder as a curve", ("plot", "."), "'.': is no file"),
     ("a curve with a zero byte", ("plot", "a\0"), "embedded null byte"),
     ("report in a device", ("validate", "-o", "/dev/null/x"), "/dev/null is not a directory"),
+    ("report in a link to itself", ("validate", "-o", "loop"), "loop is not a directory"),
     ("contacts on a directory", (*SIMULATE, "--contacts", "."), "must end in"),
     ("JSON on a directory", ("steady", PAPER, "--json", "."), "it is a directory"),
     ("init nowhere", ("init", "no/such/file.toml"), "cannot be written"),
@@ -205,33 +216,18 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("of the weight", (*MOTIONS, "--quantity", "weight"), "quantity 'weight': is unknown"),
     ("of no stress", (*MOTIONS, "--quantity", "stress"), "quantity 'stress': the beam has no section"),
     ("of nothing but a start", (*MOTIONS, "--settle", "4"), "duration = 3: must be longer than the 4 s"),
-    ("at no rate", (*MOTIONS, "--rate", "-1"), "rate = -1: must be positive"),
+    ("at no rate", (*MOTIONS, "--settle", "0", "--rate", "-1"), "rate = -1: must be positive"),
     ("by no workers", (*MOTIONS, "--workers", "0"), "workers = 0: must be"),
 ]
-SHORT = """beam = {length = 1.0, bending_stiffness = 200.0, mass_per_length = 1.0}
-supports = [{x = 0.0, translational = inf, torsional = inf}]
-damping = {kind = "modal", ratio = 0.1}
-base_motion = {kind = "random", psd = [[5.0, 1.0], [40.0, 1.0]]}
-"""
 
 
 @pytest.mark.parametrize(("arguments", "message"), [r[1:] for r in BAD_COMMANDS], ids=[r[0] for r in BAD_COMMANDS])
-def test_bad_input_is_refused(
-    arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "short.toml").write_text(SHORT)
+def test_bad_input_is_refused(arguments: tuple[str, ...], message: str, here: Path) -> None:
+    random = RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]])
+    write_problem(unit_cantilever().replace(base_motion=random), "short.toml")
+    Path("loop").symlink_to("loop")
     assert_refused(run(*arguments), message)
-    assert {path.name for path in tmp_path.iterdir()} <= {"short.toml", "x"}
-
-
-@pytest.mark.parametrize("arguments", [("export", PAPER, "--duration", "1e9"), ("validate",)], ids=["export", "report"])
-def test_a_link_to_itself_is_no_directory(
-    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "loop").symlink_to("loop")
-    assert_refused(run(*arguments, "-o", "loop"), "loop is not a directory")
+    assert {path.name for path in here.iterdir()} <= {"short.toml", "loop", "x"}
 
 
 def test_a_process_prints_a_message_and_no_traceback(tmp_path: Path) -> None:

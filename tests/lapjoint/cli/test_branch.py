@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from amplitude_ranges import docs_cantilever
+from beams import with_stops
 from command_line import assert_refused, run, run_well
 
 from lapjoint import write_problem
@@ -17,11 +18,8 @@ OVER = ("--over", "base_motion.amplitude", "--modes", "3", "--no-errors")
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    joint = docs_cantilever()
-    (stop,) = joint.stops
-    write_problem(joint.replace(stops=(stop.model_copy(update={"name": "tip"}),)), "bar.toml")
+def bar(here: Path) -> None:
+    write_problem(with_stops(docs_cantilever(), {"name": "tip"}), here / "bar.toml")
 
 
 def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
