@@ -60,10 +60,6 @@ def test_chatter_is_bounces_ever_closer_and_then_a_lasting_contact(
     assert periodic_outcome(motion) is outcome
 
 
-def test_a_joint_that_bounces_to_rest_on_its_stop_in_every_cycle_is_said_to_chatter() -> None:
-    assert analytic.Solver().steady_state(paper_joint(angular_frequency=20.0)).outcome is Outcome.CHATTERING
-
-
 def measured(value: float, error: float, *, trend: float = 0.0, time: float = 100.0) -> Exponent:
     """An exponent whose second half exceeds the first by ``trend``."""
     halves = value - trend / 2, value + trend / 2

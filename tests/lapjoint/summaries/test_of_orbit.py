@@ -12,7 +12,6 @@ from click.testing import CliRunner
 from population import joint as joint_of
 
 import analytic
-import fe_lapjoint
 from lapjoint import (
     FREQUENCY,
     Axis,
@@ -60,16 +59,6 @@ def test_a_mass_on_springs_has_the_amplitude_of_its_closed_form() -> None:
             assert error.max() < 1e-4 * found.max()
     assert [float(summary.values[name][0]) for name in OF_STOPS] == [0.0] * 4
     assert [float(summary.errors[name][0]) for name in OF_STOPS] == [0.0] * 4
-
-
-def test_both_solvers_agree_within_their_errors(joint: SteadyState) -> None:
-    ours = summarise(joint)
-    theirs = summarise(fe_lapjoint.Solver(elements=16).steady_state(joint.problem))
-    assert ours.errors is not None
-    assert theirs.errors is not None
-    for name, value in ours.values.items():
-        apart = np.abs(value - theirs.values[name])
-        assert (apart <= ours.errors[name] + theirs.errors[name]).all(), name
 
 
 def test_peaks_and_means_are_those_of_a_dense_series(joint: SteadyState) -> None:
