@@ -16,7 +16,6 @@ import fe_lapjoint
 from lapjoint import Outcome, Problem, paper_joint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
-from lapjoint.orbits.newton import find_orbit
 
 pytestmark = pytest.mark.long_march
 
@@ -50,19 +49,6 @@ def test_without_the_symmetry_the_least_is_that_of_whole_periods(problem: Proble
         assert (shorter.half_periods, shorter.period_multiple, shorter.symmetric) == (least, least // 2, False)
     alone = orbit_of(map_, least, settle)
     assert over_least_period(HalfPeriods(map_), alone) is alone
-
-
-def test_a_true_motion_of_three_periods_is_not_taken_for_one() -> None:
-    """With a damping ratio of 0.01 the paper's joint repeats after three periods at 300 rad/s."""
-    problem = paper_joint(angular_frequency=300.0, damping_ratio=0.01)
-    steady = analytic.Solver(n_modes=14).steady_state(problem)
-    assert steady.period_multiple == 3
-    halves = HalfPeriods(analytic.Solver(n_modes=14).period_map(problem))
-    orbit = find_orbit(halves, steady.section_point, 6, 1e-3)
-    assert orbit is not None
-    assert over_least_period(halves, orbit).period_multiple == 3
-    thirds = [steady.history.displacement(2.5, n * steady.history.end / 3)[0, 0] for n in range(3)]
-    assert np.ptp(thirds) > 1e-3 * np.abs(thirds).max()  # it does not repeat after one
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beams import with_stops
 from settled import orbit_of
 from toy import Bar, Unwilling, bar
 
@@ -22,54 +21,10 @@ from lapjoint.orbits import Linearised
 from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import FAR, RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative
-from lapjoint.problem import Damping, FloatArray
+from lapjoint.problem import FloatArray
 
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=4), "FE": fe_lapjoint.Solver(elements=2)}
 MODAL, VISCOUS = ModalDamping(ratio=(0.08, 0.02)), ViscousDamping(coefficient=2000.0)
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("damping", [paper_joint().damping, VISCOUS], ids=["modal", "viscous"])
-@pytest.mark.parametrize(
-    ("problem", "half_periods"),
-    [(paper_joint(), 1), (with_stops(paper_joint(), {"gap": 2e-3}), 2)],
-    ids=["even", "uneven"],
-)
-def test_multipliers_are_those_of_finite_differences_of_the_march(
-    solver: str, damping: Damping, problem: Problem, half_periods: int
-) -> None:
-    map_ = SOLVERS[solver].period_map(problem.replace(damping=damping))
-    orbit = orbit_of(map_, half_periods)
-    assert orbit.residual <= RESIDUAL
-    n = map_.difference(orbit.point, orbit.point).size
-    columns = []
-    for i in range(n):
-        unit = np.zeros(n)
-        unit[i] = 1e-6 * map_.size(orbit.point) / map_.norm(np.eye(n)[i])
-        ends = [map_.march(map_.moved(orbit.point, sign * unit), 2).end for sign in (1, -1)]
-        columns.append((map_.difference(ends[0], orbit.point) - map_.difference(ends[1], orbit.point)) / (2 * unit[i]))
-    expected = np.linalg.eigvals(np.array(columns).T)
-    expected = expected[np.argsort(-np.abs(expected), kind="stable")]
-    # The switches bend the map: third differences of 1e-6 of the motion, and the finest modes are the least certain.
-    assert np.abs(orbit.multipliers[:3]) == pytest.approx(np.abs(expected[:3]), abs=2e-4)
-    assert orbit.multipliers.sum().real == pytest.approx(expected.sum().real, abs=1e-3)
-    assert np.all(np.diff(np.abs(orbit.multipliers)) <= 1e-12)
-
-
-@pytest.mark.parametrize("damping", [MODAL, VISCOUS])
-def test_the_product_of_the_multipliers_is_set_by_the_damping(damping: Damping) -> None:
-    """By finite elements, whose switches lose nothing; see the march's own test for the state-by-state damping."""
-    problem = paper_joint().replace(damping=damping)
-    map_ = fe_lapjoint.Solver(elements=3).period_map(problem)
-    orbit = orbit_of(map_, 1, settle=60)
-    trace, model = 0.0, map_.model
-    history = map_.history(orbit.point, 1)
-    times = np.concatenate([[0.0], history.switch_times, [history.end]])
-    assert history.contacts
-    for width, state in zip(np.diff(times), history.states, strict=True):
-        trace += 2 * float(np.sum(model.system(state).damping_rate)) * width
-    logs = np.log(np.abs(orbit.multipliers.astype(complex)))
-    assert logs.sum() == pytest.approx(-trace, rel=1e-5)
 
 
 def test_half_periods_and_whole_periods_find_the_same_orbit_and_multipliers() -> None:

@@ -127,15 +127,6 @@ def test_orbits_are_those_that_long_marches_come_to(
     assert found.acceptance.sensitive is False
 
 
-def test_viscous_damping_sets_the_product_of_the_multipliers() -> None:
-    """Displacement, velocity and damping force are continuous at a switch, so volume shrinks by the damping alone."""
-    for problem in (bar(0.8, (0.5, 5.0)), bar(0.8, (0.5, 5.0), (-0.5, 5.0)), bar(3.0, (0.0, 20.0), ratio=0.03)):
-        found = Bar().steady_state(problem)
-        ratio = problem.damping.coefficient / 2  # type: ignore[union-attr]
-        expected = math.exp(-2 * ratio * found.history.end)
-        assert np.prod(found.multipliers) == pytest.approx(expected, rel=1e-6)
-
-
 CHAOTIC = bar(2.6, (0.3, 30.0), ratio=0.02)
 
 

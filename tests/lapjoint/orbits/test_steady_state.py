@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beams import unit_cantilever, with_stops
+from beams import unit_cantilever
 from settled import amplification
 from toy import Bar, bar
 
@@ -91,25 +91,6 @@ def test_late_contacts_of_a_transient_are_waited_for(solver: str, case: str) -> 
 # --- Acceptance ----------------------------------------------------------------------------------------------------
 
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=8), "FE": fe_lapjoint.Solver(elements=4), "bar": Bar()}
-LAPSED = {
-    "contacts": paper_joint(),
-    "two different gaps": with_stops(paper_joint(), {"gap": 2e-3}),
-    "no contact": paper_joint(base_amplitude=1e-5),
-    "slowly settling": paper_joint(angular_frequency=2000.0),
-}
-
-
-@pytest.mark.parametrize("solver", ["analytic", "FE"])
-@pytest.mark.parametrize("kind", LAPSED)
-def test_marching_on_from_where_a_motion_was_accepted_leads_to_it(solver: str, kind: str) -> None:
-    problem = LAPSED[kind]
-    steady = SOLVERS[solver].steady_state(problem)
-    assert steady.stable is True
-    assert_is_where_the_march_leads(SOLVERS[solver].period_map(problem), steady)
-    assert steady.acceptance is not None
-    assert steady.acceptance.growth is not None
-    assert steady.acceptance.growth < 1e4
-    assert steady.acceptance.sensitive is False
 
 
 @pytest.mark.parametrize(
@@ -154,14 +135,6 @@ def test_stability_is_said_of_certified_orbits_only() -> None:
     assert replace(settled, multipliers=np.array([-1.2 + 0j, 0.1])).stable is False
 
 
-@pytest.mark.parametrize("solver", ["analytic", "FE"])
-def test_a_motion_without_contact_mirrors_itself_whatever_its_gaps(solver: str) -> None:
-    problem = LAPSED["two different gaps"].with_base_numbers(amplitude=1e-5)
-    assert SOLVERS[solver].steady_state(problem).symmetric
-    assert SOLVERS[solver].steady_state(paper_joint()).symmetric
-    assert not SOLVERS[solver].steady_state(LAPSED["two different gaps"]).symmetric
-
-
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_motion_begins_at_its_section_point_and_holds_one_period(solver: str) -> None:
     problem = bar(0.8, (0.5, 5.0)) if solver == "bar" else paper_joint()
@@ -175,21 +148,6 @@ def test_the_motion_begins_at_its_section_point_and_holds_one_period(solver: str
 
 
 # --- Beginning elsewhere -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_a_neighbours_section_point_leads_to_the_same_orbit_as_rest(solver: str) -> None:
-    if solver == "bar":
-        near, here = bar(0.8, (0.5, 5.0)), bar(0.82, (0.55, 6.0))
-    else:
-        near, here = paper_joint(angular_frequency=780.0), paper_joint(angular_frequency=800.0, gap=1.05e-3)
-    start = SOLVERS[solver].steady_state(near).section_point
-    rest, adopted = (SOLVERS[solver].steady_state(here, start=one) for one in (None, start))
-    assert rest.outcome is adopted.outcome is Outcome.PERIODIC
-    assert adopted.impulses == pytest.approx(rest.impulses, rel=1e-6)
-    assert adopted.acceptance is not None
-    assert rest.acceptance is not None
-    assert adopted.acceptance.periods < rest.acceptance.periods
 
 
 FINER: dict[str, tuple[Any, Any]] = {
