@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from loose_pins import bar as loose_bar
 from settled import amplification
-from toy import Bar, bar
+from toy import Bar, BarMap, bar
 
 import analytic
 import fe_lapjoint
@@ -17,7 +18,7 @@ from lapjoint import FREE, Outcome, Problem, StepLoad, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.answers.steady_state import Exponent
 from lapjoint.errors import InputError
-from lapjoint.orbits import Effort, Passage, PeriodMap
+from lapjoint.orbits import Effort, Passage
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, period_pieces
@@ -142,21 +143,6 @@ def test_outcomes_do_not_depend_on_who_looks_on_or_on_what_is_measured(problem: 
     assert {most for _, most in calls} == {16_000}
 
 
-class Noted:
-    """A map that counts the half periods marched."""
-
-    def __init__(self, map_: PeriodMap) -> None:
-        self.inner = map_
-        self.marched = 0
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.inner, name)
-
-    def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        self.marched += half_periods
-        return self.inner.march(start, half_periods)
-
-
 @pytest.mark.parametrize("periods", [1, 7, 700])
 def test_effort_in_periods_ends_in_undecided(periods: int) -> None:
     """Undamped motion never settles; one stretch is measured beyond the periods allowed."""
@@ -169,8 +155,7 @@ def test_effort_in_periods_ends_in_undecided(periods: int) -> None:
 
 
 def test_effort_in_switches_ends_in_undecided() -> None:
-    map_ = Bar().period_map(bar(2.6, (0.3, 30.0), ratio=0.02))
-    found = searched(map_, max_switches=50, growth=False)
+    found = searched(Bar().period_map(bar(2.6, (0.3, 30.0), ratio=0.02)), max_switches=50, growth=False)
     assert isinstance(found.motion, Wandering)
     assert found.motion.outcome is Outcome.UNDECIDED
     assert found.acceptance.periods < TRANSIENT + STRETCH
@@ -218,13 +203,13 @@ def test_a_march_that_leaves_its_course_takes_the_orbit_with_it() -> None:
     orbit = find_orbit(HalfPeriods(inner), inner.initial(), 2, np.inf)
     assert orbit is not None
 
-    class Astray(Noted):
+    class Astray(BarMap):
         def march(self, start: SectionPoint, half_periods: int) -> Passage:
             passage = super().march(start, half_periods)
-            return Passage(self.inner.moved(passage.end, np.array([1.0, 0.0])), passage.impulses, passage.switches)
+            return replace(passage, end=self.moved(passage.end, np.array([1.0, 0.0])))
 
-    for map_, kept in ((Noted(inner), True), (Astray(inner), False)):
-        search = SteadyStateSearch(map_, Effort(growth=False))  # type: ignore[arg-type]
+    for map_, kept in ((inner, True), (Astray(problem, "astray"), False)):
+        search = SteadyStateSearch(map_, Effort(growth=False))
         search.point = inner.moved(orbit.point, np.array([3.0, 0.0]))
         deviation = inner.difference(search.point, orbit.point)
         assert search.on_course(orbit, deviation, 4) is kept
