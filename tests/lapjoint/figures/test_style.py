@@ -4,30 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import matplotlib
 import pytest
-from history_figures import OF_HISTORIES, assert_fits
-from written_history import OMEGA
+from history_figures import assert_fits
 
-from lapjoint import BaseMotion, History, InputError
+from lapjoint import History, InputError
 from lapjoint.errors import OutputError
 from lapjoint.figures import new_axes, new_panels, plot_convergence, plot_motion, save
-from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH
-
-
-@pytest.mark.parametrize("width", [COLUMN_WIDTH, PAGE_WIDTH])
-@pytest.mark.parametrize("plot", OF_HISTORIES, ids=lambda plot: plot.__name__)
-def test_nothing_reaches_beyond_the_paper(history: History, plot: Callable[..., object], width: float) -> None:
-    problem = history.problem.replace(
-        title="A cantilever with a title that no column is wide enough for, between two stops at its tip",
-        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=OMEGA),
-    )
-    motion = replace(history, problem=problem, solver="finite elements (40 elements, modal damping, tolerance 1e-9)")
-    assert_fits(plot(motion, new_axes(width, 2.6)), width, 2.6)
+from lapjoint.figures.style import COLUMN_WIDTH
 
 
 def test_a_long_key_is_wrapped() -> None:

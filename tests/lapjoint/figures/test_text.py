@@ -121,7 +121,8 @@ def test_long_words_stay_on_the_paper(
     history: History, plot: Callable[..., Any], words_and_width: tuple[str, float]
 ) -> None:
     words, width = words_and_width
-    axes = plot(named(history, words, f"{words[:-1]}b", title=words), new_axes(width, 3.2))
+    motion = replace(named(history, words, f"{words[:-1]}b", title=words), solver=words)
+    axes = plot(motion, new_axes(width, 3.2))
     assert_fits(axes, width, 3.2)
     assert axes.get_position().width > 0.45  # of the figure
 

@@ -150,31 +150,6 @@ def test_the_motion_begins_at_its_section_point_and_holds_one_period(solver: str
 # --- Beginning elsewhere -------------------------------------------------------------------------------------------
 
 
-FINER: dict[str, tuple[Any, Any]] = {
-    "analytic": (analytic.Solver(n_modes=8), analytic.Solver(n_modes=12)),
-    "analytic, fewer in contact": (analytic.Solver(n_modes=8), analytic.Solver(free_modes=12, contact_modes=7)),
-    "FE": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(elements=6)),
-    "FE, nodes given": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(nodes=(0.0, 0.7, 1.25, 2.1, 2.5))),
-}
-
-
-@pytest.mark.parametrize("pair", FINER)
-@pytest.mark.parametrize("back", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_another_resolution_takes_over_a_section_point(pair: str, back: bool) -> None:
-    """From its place another resolution finds its own orbit, sooner than from rest and not far away."""
-    one, other = FINER[pair][::-1] if back else FINER[pair]
-    problem = paper_joint()
-    start = one.steady_state(problem).section_point
-    rest, near = other.steady_state(problem), other.steady_state(problem, start=start)
-    map_ = other.period_map(problem)
-    adopted = map_.adopted(start)
-    # Where the resolutions differ by a few percent, so do the points.
-    assert HalfPeriods(map_).apart(adopted, rest.section_point) < 0.2
-    assert near.impulses == pytest.approx(rest.impulses, rel=1e-7)
-    assert near.acceptance is not None
-    assert near.acceptance.periods <= 4
-
-
 @pytest.mark.parametrize("solver", ["analytic", "FE"])
 def test_a_section_point_of_its_own_is_adopted_as_it_is(solver: str) -> None:
     map_ = SOLVERS[solver].period_map(paper_joint())
