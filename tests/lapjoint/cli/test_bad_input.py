@@ -126,6 +126,7 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("modes of no state", ("export", PAPER, "-o", "x", "--state", "P9"), "--state P9: there is no such state"),
     ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
     ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
+    ("the pace of a window", ("show", PAPER, "--steady", "--pace", "2"), "--pace: a window has none"),
     ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
     ("export to a device", ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"), "/dev/null is not a directory"),
     ("a link to itself", ("export", PAPER, "-o", "loop", "--duration", "1e9"), "loop is not a directory"),
