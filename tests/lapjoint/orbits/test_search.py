@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from loose_pins import bar as loose_bar
-from settled import amplification
+from settled import amplification, orbit_of
 from toy import Bar, BarMap, bar
 
 import analytic
@@ -22,7 +22,7 @@ from lapjoint.orbits import Effort, Passage
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, period_pieces
-from lapjoint.orbits.search import FIRST_LOOK, STRETCH, TRANSIENT, SearchResult, SteadyStateSearch
+from lapjoint.orbits.search import FIRST_LOOK, STRETCH, TRANSIENT, SearchResult, SteadyStateSearch, as_linearised
 from lapjoint.orbits.segments import Segment
 from lapjoint.orbits.wandering import Wandering, breadth_and_residual, outcome_of
 from lapjoint.problem import FloatArray
@@ -161,39 +161,7 @@ def test_effort_in_switches_ends_in_undecided() -> None:
     assert found.acceptance.periods < TRANSIENT + STRETCH
 
 
-def test_a_motion_longer_than_allowed_is_not_certified_and_its_exponent_is_its_multipliers() -> None:
-    """A bar that repeats after two periods, to a search that looks for one."""
-    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    found, long = (
-        searched(map_, growth=False, **limits).motion for limits in ({"max_period_multiple": 1, "max_periods": 600}, {})
-    )
-    assert isinstance(found, Wandering)
-    assert found.outcome is Outcome.UNDECIDED
-    assert found.exponent.negative
-    assert isinstance(long, Orbit)
-    decay = math.log(abs(long.multipliers[0])) / (2 * map_.period)
-    assert found.exponent.quarters[-1] == pytest.approx(decay, rel=1e-3)
-
-
 # --- Courses -------------------------------------------------------------------------------------------------------
-
-
-def test_a_stable_orbit_that_the_march_passes_by_is_dropped() -> None:
-    """A march that is not on the linear course of an orbit, and ends elsewhere: whatever is found, it is marched to.
-
-    At 2.3 rad/s the bar has a stable motion of one period and one of three; from rest it comes to the latter.
-    """
-    problem = bar(2.3, (0.0, 20.0), ratio=0.03)
-    map_ = Bar().period_map(problem)
-    found = searched(map_, growth=False)
-    assert isinstance(found.motion, Orbit)
-    on = map_.march(found.acceptance.point, 2 * 600).end
-    halves = HalfPeriods(map_)
-    assert found.motion.period_multiple == 3
-    cycle = [found.motion.point]
-    for _ in range(2):
-        cycle.append(halves.marched(cycle[-1], 2))
-    assert min(halves.apart(on, point) for point in cycle) < 1e-7
 
 
 def test_a_march_that_leaves_its_course_takes_the_orbit_with_it() -> None:
@@ -214,6 +182,16 @@ def test_a_march_that_leaves_its_course_takes_the_orbit_with_it() -> None:
         deviation = inner.difference(search.point, orbit.point)
         assert search.on_course(orbit, deviation, 4) is kept
         assert search.marched <= 4
+
+
+def test_an_orbit_with_switches_is_approached_by_the_step_of_its_linearised_map_alone() -> None:
+    """A march that stands still beside the orbit is at another one, and one that is off by as much may circle it."""
+    map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
+    halves, orbit, deviation = HalfPeriods(map_), orbit_of(map_, 2), np.array([1e-3, 0.0])
+    mapped = orbit.last.matrix @ deviation
+    for off, expected in ((0.0, True), (0.05, True), (1.0, False)):
+        after = mapped + off * (deviation - mapped)
+        assert as_linearised(halves, orbit, deviation, lambda after=after: after) is expected
 
 
 def test_a_march_still_far_from_a_clearance_goes_on_until_it_is_bound() -> None:
