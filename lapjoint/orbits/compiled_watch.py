@@ -21,8 +21,8 @@ def terms_at_points(
 
     `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  `rates`, (S, K'), are
     the exponents of the terms, 1/s, and `weights`, (S, U, K'), their weights at the places of stops; deviations have
-    the first ``K = count <= K'``.  Returned are real and imaginary part of each term of unit amplitude, (2, U, I + 1,
-    K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
+    the first ``K = count <= K'``.  The answer is the real and the imaginary part of each term of unit amplitude, (2, U,
+    I + 1, K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
     """
     places = weights.shape[1]
     terms, misses = zeros((2, places, tau.size, count)), zeros((places, tau.size - 1, count))

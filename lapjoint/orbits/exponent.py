@@ -1,7 +1,8 @@
-r"""The largest Lyapunov exponent from a series of growths, one a period.
+r"""The largest Lyapunov exponent from the growth of a deviation in each period.
 
-Growths in neighbouring periods are correlated, in weak chaos over many periods.  The weighted means over the quarters
-of a measurement tell quasi-periodic motion from chaos.  `lapjoint.summaries.correlated_series` has both means.
+Growths in neighbouring periods are correlated, in weak chaos over many periods, so the standard error is computed by
+blocking.  Weighted means over the quarters of a measurement tell quasi-periodic motion from chaos.
+`lapjoint.summaries.correlated_series` has both.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
 
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor, 1 to 1e304, by which a deviation grows from a section point to a later one; see `exponent_of`."""
+    """Largest factor, 1 to 1e304, by which a deviation grows from a section point to a later one; `growth` as in `exponent_of`."""
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))
