@@ -29,7 +29,7 @@ def exponent_of(growth: FloatArray, period: float) -> Exponent:
 
 
 def largest_growth(growth: FloatArray) -> float:
-    """Largest factor, 1 to 1e304, by which a deviation grows from a section point to a later one; `growth` as in `exponent_of`."""
+    """Largest factor, 1 to 1e304, by which a deviation grows from a section point to a later one; see `exponent_of`."""
     size = np.concatenate([[0.0], np.cumsum(growth)])
     rise = float(np.max(size - np.minimum.accumulate(size)))
     return float(np.exp(min(rise, 700.0)))
