@@ -114,7 +114,7 @@ class Exponent:
 
     @property
     def _steady(self) -> bool:
-        """Whether the halves agree: the standard error of their difference is twice that of the mean."""
+        """Whether both halves agree: their difference has twice the standard error of the mean."""
         return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.standard_error, ALIKE * abs(self.value))
 
 

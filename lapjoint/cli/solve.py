@@ -122,7 +122,7 @@ def steady(
 
 
 def write_results(history: History, files: AnswerFiles, series: dict[str, Any], drawing: dict[str, Any]) -> None:
-    """Write the files asked for; `series` is what `time_series` takes, `drawing` what the figure does."""
+    """Write the files that were requested; `series` are arguments of `time_series`, `drawing` those of the figure."""
     if files.contacts:
         from lapjoint.answers.contact_files import write_contacts
 

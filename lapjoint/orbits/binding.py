@@ -158,11 +158,11 @@ class _StartGroup:
         self.ensemble = ensemble
         self.ends: list[StartEnd | None] = [None] * count
         self.marching: IndexArray = np.arange(count)
-        """The starts that have no end yet."""
+        """The starts without a known end."""
         self.marched = 0
-        """Periods that all starts without an end have marched together."""
+        """Number of periods that all starts without an end have marched together."""
         self._more: IndexArray = np.zeros(count, dtype=np.intp)
-        """Periods that each start has marched alone, in addition to `marched`."""
+        """Number of periods that each start has marched alone, in addition to `marched`."""
 
     def periods(self, i: int) -> int:
         """Periods that a start has marched."""

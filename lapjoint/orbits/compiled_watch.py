@@ -55,9 +55,9 @@ def largest_motion(
 ) -> None:
     """Write bounds on the motion that ``C`` deviations make at the stops in each interval to `result`, (P, I, C), m.
 
-    `segment`, `tau`, `terms` and `misses` are those of `terms_at_points`. `amplitudes`, (2, S, K, C), are real and
-    imaginary parts in each segment; `drift`, (S, U, 2, C), is the displacement, m, and speed, m/s, of rigid-body modes,
-    of size 0 without such modes; `place`, (P,), is the place of each stop.
+    `segment` and `tau` are arguments of `terms_at_points`, and `terms` and `misses` its results.  `amplitudes`, (2, S,
+    K, C), are real and imaginary parts of the amplitudes in each segment.  `drift`, (S, U, 2, C), is the displacement,
+    m, and speed, m/s, of rigid-body modes; without such modes it is empty.  `place`, (P,), is the place of each stop.
     """
     count, columns = terms.shape[3], amplitudes.shape[3]
     size = zeros((amplitudes.shape[1], count, columns))

@@ -115,6 +115,6 @@ class ModeSeries:
 
 
 def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:
-    """A number with bit i set where stop i is closed, shape ``(m,)``; none where there are more stops than bits."""
+    """A number whose bit i is set while stop i is closed, shape ``(m,)``; empty if there are more stops than bits."""
     stops = closed.shape[1]
     return {"closed_stops": closed @ (1 << np.arange(stops))} if 0 < stops < 63 else {}

@@ -119,8 +119,8 @@ QUANTITIES = (
 RINGING_SHOWS = ("displacement", "slope")
 """Quantities that few modes give for a beam with equal decay rates of all waves; velocity needs the short waves."""
 TRUNCATION = {"displacement": 2e-6, "velocity": 1e-5, "slope": 5e-5, "bending moment": 1e-5, "shear force": 1e-4}
-"""Error over the largest value of its kind: 24 modes and the static residual lack part of the waves that a jump
-sends out."""
+"""Error, divided by the largest value of its kind: 24 modes and the static residual lack a part of the waves that a
+jump of a load sends out."""
 CONSERVED = 1e-7  # Relative error of quadrature, and rounding of the finite elements' rigid-body modes
 FEW = 3  # Number of modes, of a motion that six waves drive
 SUMMED = 1e-8  # Truncation error of the witness, divided by the largest value of its kind
@@ -161,8 +161,8 @@ def compared(label: str, text: str) -> list[Check]:
 
 
 def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
-    """Centre and turn of a free beam obey the equations of a rigid body, as elastic modes carry neither.  Under viscous
-    damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body."""
+    """Centre and rotation of a free beam against the equations of a rigid body, as elastic modes move neither.  Under
+    viscous damping of coefficient C both rates decay with 2 a = C / m; modal ratios do not damp a rigid body."""
     problem = from_toml(FREE.format(kind=kind, value=value))
     L, m, Y, w, phase, force, at, t = 1.6, 3.768, 1.5e-3, 95.0, 1.1, 42.0, 1.2, DURATION
     # Under a constant acceleration of 1, and under the motion of the base.

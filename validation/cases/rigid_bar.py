@@ -241,8 +241,8 @@ def _closings(history: History) -> int:
 
 
 def to_the_limit(soft: FloatArray, stiff: FloatArray, kinds: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Numbers of the rigid bar from those of two beams, and their uncertainty.  The effect of bending is proportional
-    to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
+    """Numbers of the rigid bar, extrapolated from two beams, and their uncertainty.  The effect of bending is
+    proportional to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
     change = stiff - soft
     largest = {kind: np.max(np.abs(change[[k == kind for k in kinds]])) for kind in kinds}
     return stiff + change / (RATIO - 1), np.array([UNSURE.get(kind, CURVED) * largest[kind] for kind in kinds])

@@ -99,7 +99,7 @@ number of its kind."""
 MIDPOINTS = 2**15  # Number of dense samples of a period: a kink of a force at a switch makes an error of 1e-8
 BY_MIDPOINTS = 1e-5  # Relative tolerance of the midpoint sums, a margin over 1e-8
 SERIES_RATE, SERIES_DURATION = 700.0, 0.14
-"""Sample rate, Hz, and length, s: phases of the loads are no whole number of samples apart."""
+"""Sample rate, Hz, and length, s: the phases of the loads do not differ by whole numbers of samples."""
 
 
 def problem(realisation: int) -> Problem:
