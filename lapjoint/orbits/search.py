@@ -10,9 +10,10 @@ A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.
 settled after many periods is followed together with a deviation, and its Lyapunov exponent is measured over ever longer
 stretches of periods.  An outcome counts if two successive stretches show it, the second longer than the first: a long
 transient, or chaos that pauses, deceives one stretch more easily than two.  The second stretch must last for twenty
-decay times of the slowest free vibration, or for a hundred if a stable orbit is known, or is found where the march
-nearly comes back.  Both lengths are limited by the allowed effort.  The motion counts as accepted at the start of the
-second stretch, from which anyone can repeat it.  A march that nearly comes back is not called quasi-periodic.
+decay times of the slowest free vibration.  For an aperiodic outcome it must last for a hundred if a stable orbit is
+known, or is found where the march nearly comes back.  Both lengths are limited by the allowed effort.  The motion
+counts as accepted at the start of the second stretch, from which anyone can repeat it.  A march that nearly comes back
+is not called quasi-periodic.
 
 If a deviation grows by more than `BEYOND_ROUNDING` in each of the last periods, rounding alone decides where each
 period ends.  Newton's method is then not tried again, and the stretches begin at once, with the least length for a
