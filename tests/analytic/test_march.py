@@ -180,8 +180,6 @@ def test_a_mirrored_problem_has_the_mirrored_answer(side: str) -> None:
     np.testing.assert_allclose([c.impulse for c in contacts], [-c.impulse for c in others], rtol=1e-9)
 
 
-# The lowest frequency of the cantilever, (1.8751.../L)^2 sqrt(EI/m)
-RESONANCE = (1.8751040687119611 / 2.0) ** 2 * math.sqrt(1e5 / 10.0)
 ODD = {
     "gap zero on both sides": dict(
         stops=(Stop(x=1.0, side="top", gap=0, stiffness=1e4), Stop(x=1.0, side="bottom", gap=0, stiffness=1e4))

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from analytic.march.joint import Joint
-from analytic.modes.beam_functions import gram, integral, squares
-from analytic.modes.boundary_conditions import BAND
-from analytic.modes.characteristic_equation import frequencies, layout_of
-from analytic.modes.normal_modes import elastic_shapes, exact_modes, null_space_of_band, null_vectors
+from analytic.modes.beam_functions import gram, integral
+from analytic.modes.characteristic_equation import layout_of
+from analytic.modes.normal_modes import exact_modes
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
 from tests.helpers.beams import CLAMP, LONG
 
@@ -50,31 +49,12 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
     np.testing.assert_allclose(integral(both), both(x) @ w, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", PROBLEMS)
-def test_squares_are_the_diagonal_of_all_inner_products(name: str) -> None:
-    shapes = exact_modes(Problem(beam=LONG, supports=PROBLEMS[name]), FREE, 40).shapes
-    np.testing.assert_allclose(squares(shapes), np.diag(gram(shapes, shapes)), rtol=1e-13)
-
-
-def test_boundary_terms_and_integrals_of_exponentials_agree() -> None:
-    problem = paper_joint()
-    one, other = (exact_modes(problem, state, 50).shapes for state in (ContactState((0,)), ContactState((1, 2))))
-    every_pair = 2.0  # of the larger mu^4
-    np.testing.assert_allclose(gram(one, other), gram(one, other, near=every_pair), atol=1e-13 / problem.beam.m)
-
-
 def test_a_long_beam_has_a_rigid_body_mode() -> None:
     """The exponentials that a rigid-body mode does not have would overflow from 709 m on."""
     beam = Beam(length=2000.0, bending_stiffness=1e9, mass_per_length=100.0)
     shapes = exact_modes(Problem(beam=beam, supports=(Support(x=0.0, translational=math.inf),)), FREE, 12).shapes
     np.testing.assert_allclose(beam.m * gram(shapes, shapes), np.eye(12), atol=1e-11)
     np.testing.assert_allclose(shapes(np.array([2000.0]))[0], math.sqrt(3 / (beam.m * beam.length)), rtol=1e-12)
-
-
-def test_a_matrix_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
-    singular = np.array([[[1.0, 2.0, 0.0], [2.0, 4.0, 0.0], [0.0, 0.0, 1.0]]])
-    (vector,) = null_vectors(singular)
-    np.testing.assert_allclose(np.abs(vector), np.array([2.0, 1.0, 0.0]) / math.sqrt(5), atol=1e-13)
 
 
 def test_no_rule_of_signs_is_continuous() -> None:
@@ -105,26 +85,6 @@ def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
     jump = k * both.at_stops[:2].T @ free.at_stops[:2]
     squares = both.modes.omega[:, None] ** 2 - free.modes.omega**2
     np.testing.assert_allclose(S * squares, jump, atol=1e-11 * np.abs(squares).max())
-
-
-def test_shapes_meet_the_conditions_13a_to_13h() -> None:
-    problem = Problem(beam=LONG, supports=PROBLEMS["general (Figure 1)"])
-    shapes, EI = exact_modes(problem, FREE, 20).shapes, LONG.EI
-    eps = 1e-12
-
-    def at(x: float, d: int) -> np.ndarray:
-        return shapes(np.array([x]), d)[:, 0]
-
-    root, middle, tip = problem.supports
-    scale = EI * np.abs(shapes(np.linspace(0, 2, 50), 3)).max(axis=1)
-    assert np.all(np.abs(EI * at(0, 3) + root.translational * at(0, 0)) < 1e-9 * scale)  # V up is -EI phi'''
-    assert np.all(np.abs(EI * at(0, 2) - root.torsional * at(0, 1)) < 1e-9 * scale)
-    jump = EI * (at(0.7 + eps, 3) - at(0.7, 3))
-    assert np.all(np.abs(jump + middle.translational * at(0.7, 0)) < 1e-8 * scale)
-    turn = EI * (at(0.7 + eps, 2) - at(0.7, 2))
-    assert np.all(np.abs(turn - middle.torsional * at(0.7, 1)) < 1e-8 * scale)
-    assert np.all(np.abs(EI * at(2.0, 3) - tip.translational * at(2.0, 0)) < 1e-9 * scale)
-    assert np.all(np.abs(EI * at(2.0, 2) + tip.torsional * at(2.0, 1)) < 1e-9 * scale)
 
 
 def test_derivatives_of_shapes_agree_with_differences() -> None:
@@ -230,39 +190,3 @@ def test_open_stops_cost_nothing_and_change_no_bit() -> None:
     one, other = exact_modes(many, ContactState((30, 50)), 12), exact_modes(few, ContactState((0, 2)), 12)
     assert np.array_equal(one.omega, other.omega)
     assert np.array_equal(one.shapes(few.stops[1].x * np.ones(1)), other.shapes(few.stops[1].x * np.ones(1)))
-
-
-def test_modes_on_many_spans_are_orthonormal_and_solve_the_same_equations() -> None:
-    """They are found by the diagonals of a matrix; on few spans, by the whole of it."""
-    many = with_many_stops(24)
-    state = ContactState(tuple(range(24)))
-    modes = exact_modes(many, state, 12)
-    assert many.beam.m * gram(modes.shapes, modes.shapes) == pytest.approx(np.eye(12), abs=1e-9)
-    layout = layout_of(many, state.closed)
-    whole = elastic_shapes(layout, frequencies(layout, 12), many.beam.length, few_spans=100)
-    x = np.linspace(0.0, many.beam.length, 50)
-    values = whole.scaled(np.sign(whole(x)[:, -1] * modes.shapes(x)[:, -1]) / np.sqrt(many.beam.m * squares(whole)))(x)
-    assert modes.shapes(x) == pytest.approx(values, abs=1e-8 * np.abs(values).max())
-
-
-def test_a_band_that_is_singular_to_the_last_bit_has_its_null_vector() -> None:
-    size = 28
-    values = np.cos(np.arange(size))
-    exact = np.tile(np.array([0.0] * BAND + [1.0] + [0.0] * BAND)[:, None], (1, size))
-    exact[BAND, -1] = 0.0  # the last equation is 0 = 0
-    exact[BAND - 1, -1] = values[3]
-    null = null_space_of_band(exact, 1)[0]
-    assert np.abs(null[:-2]).max() < 1e-12
-    assert null[-2] == pytest.approx(-values[3] * null[-1], rel=1e-12)
-
-
-@pytest.mark.parametrize("extra", [[0.11], [0.3, 0.31, 0.9]])
-def test_functions_on_shorter_spans_are_the_same(extra: list[float]) -> None:
-    shapes = exact_modes(paper_joint(), ContactState((2, 3)), 30).shapes
-    nodes = np.union1d(shapes.nodes, np.array(extra) * shapes.nodes[-1])
-    shorter, x = shapes.on(nodes), np.linspace(0.0, shapes.nodes[-1], 301)
-    assert shorter.nodes.size == shapes.nodes.size + len(extra)
-    for derivative in range(4):
-        values = shapes(x, derivative)
-        assert shorter(x, derivative) == pytest.approx(values, abs=1e-12 * np.abs(values).max())
-    assert gram(shorter, shapes) == pytest.approx(gram(shapes, shapes), abs=1e-12 * gram(shapes, shapes).max())

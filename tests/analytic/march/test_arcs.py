@@ -16,7 +16,6 @@ import analytic
 from analytic.march import Coordinates, Joint, March, march
 from analytic.march.arcs import JointArcs
 from analytic.march.gap_view import outline_of
-from analytic.march.mean_rates import mean_rate
 from analytic.march.oscillator import DRIFTING, OSCILLATING, SPLIT
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, Support, ViscousDamping, paper_joint
@@ -205,23 +204,6 @@ def test_derivatives_by_numbers_of_the_excitation_are_those_that_differences_giv
         assert arcs.chain(sequence, start, 0.0, durations, number="stops.*.gap").by_number is None
 
 
-def test_mean_rates_of_exponentials_are_right_for_any_duration() -> None:
-    rng = np.random.default_rng(109)
-    with mp.workdps(60):
-        for _ in range(200):
-            root = complex(-(10 ** rng.uniform(-4, 1)), rng.choice([0.0, 10 ** rng.uniform(-4, 1)]))
-            d = float(rng.choice([0.0, rng.choice([-1, 1]) * 10 ** rng.uniform(-14, 1)]))
-            exact, x = mp.mpc(root), mp.mpc(root) * mp.mpf(d)
-            mean, slope = exact, exact**2 / 2
-            if d:
-                mean = (mp.exp(x) - 1) / mp.mpf(d)
-                slope = (exact * mp.exp(x) - mean) / mp.mpf(d)
-            found, found_slope = mean_rate(root, d)
-            most = max(1.0, math.exp(root.real * d))  # what a term comes to on the way
-            assert abs(found - mean) <= 2e-15 * most * abs(root), (root, d)
-            assert abs(found_slope - slope) <= 2e-15 * most * abs(root) ** 2, (root, d)
-
-
 def quotient(coefficient: mp.mpc, rate: mp.mpc, d: mp.mpf) -> tuple[mp.mpf, mp.mpf, mp.mpf]:
     """The mean rate of the real part of an exponential over a duration, its derivative, and the size of the rate."""
     first, second = coefficient * rate, coefficient * rate**2 / 2
@@ -335,18 +317,3 @@ def test_a_section_point_is_its_coordinates_and_units_have_their_norms() -> None
         assert np.array_equal(again.coordinates, point.coordinates)
         norms = [period_map.norm(unit) for unit in np.eye(point.coordinates.size)]
         assert np.allclose(arcs.unit_norms(point.state), norms, rtol=1e-15, atol=0)
-
-
-def test_arcs_of_a_map_of_another_frequency_are_those_of_its_problem() -> None:
-    period_map = analytic.Solver(n_modes=9).period_map(paper_joint())
-    base = paper_joint().base_motion
-    assert isinstance(base, BaseMotion)
-    problem = paper_joint().replace(base_motion=base.model_copy(update={"angular_frequency": 300.0}))
-    retuned = period_map.retuned("base_motion.angular_frequency", 300.0, lambda: problem)
-    made = analytic.Solver(n_modes=9).period_map(problem)
-    assert retuned is not None
-    point = made.march(made.initial(), 8).end
-    sequence, durations = any_sequence(made.arcs, point, 1)
-    ends = [it.arcs.chain(sequence, made.arcs.coordinates(point), 0.0, durations).end for it in (made, retuned)]
-    assert retuned.arcs.period == made.arcs.period
-    assert size(ends[0] - ends[1]) <= 1e-13 * size(ends[0])

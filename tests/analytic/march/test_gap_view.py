@@ -9,7 +9,6 @@ import pytest
 
 from analytic.march import Coordinates, Joint, gap_view, march
 from analytic.march.field import history_of
-from analytic.march.gap_view import outline_of
 from analytic.march.initial_state import started
 from lapjoint import (
     BaseMotion,
@@ -94,17 +93,6 @@ def test_the_sums_are_the_motion(name: str) -> None:
             end = gaps(segment, np.array([segment.end]))[segment.switched, 0]
             assert stop.sign * end == pytest.approx(stop.gap, abs=1e-9 + 1e-3 * stop.gap)  # by truncation of 8 modes
     assert [one.end for one in view[:-1]] == [other.start for other in view[1:]]
-
-
-@pytest.mark.parametrize("name", PROBLEMS)
-def test_an_outline_is_the_motion_without_deviations(name: str) -> None:
-    joint, begin, period = settled(PROBLEMS[name], 6)
-    motion = march(joint, begin, 0.0, period)
-    whole, outline = gap_view(motion), outline_of(motion)
-    for one in ("start", "end", "closed", "terms", "rates", "weights", "amplitudes", "polynomial", "switched"):
-        np.testing.assert_array_equal(getattr(outline, one), getattr(whole, one))
-    assert outline.deviations.shape[-1] == outline.drift.shape[-1] == 0
-    assert whole.deviations.shape[-1] == whole.drift.shape[-1] > 0
 
 
 @pytest.mark.parametrize("name", PROBLEMS)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from analytic.march.gap_function import fading_powers
-from analytic.march.ramp_segment import move_body
 
 
 def _exact(drag: float, s: float) -> list[float]:
@@ -26,13 +25,3 @@ def _exact(drag: float, s: float) -> list[float]:
 def test_fading_powers_have_all_digits_whatever_the_drag(drag: float, s: float) -> None:
     # the division by drag times s, of 2 at least, keeps the rounding of the term before
     assert np.allclose(fading_powers(drag, s), _exact(drag, s), rtol=5e-15, atol=0.0)
-
-
-@pytest.mark.parametrize("drag", [0.0, 0.01, 40.0])
-def test_a_body_moved_in_two_steps_is_where_one_step_takes_it(drag: float) -> None:
-    once = np.array([[1.0, -2.0, 300.0, 4e5], [0.0, 0.0, 0.0, 0.0]])
-    twice = once.copy()
-    move_body(drag, 0.03, once)
-    move_body(drag, 0.01, twice)
-    move_body(drag, 0.02, twice)
-    assert np.allclose(once, twice, rtol=1e-13)

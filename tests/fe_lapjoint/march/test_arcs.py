@@ -16,7 +16,6 @@ import fe_lapjoint
 from fe_lapjoint.march import arcs as arcs_module
 from fe_lapjoint.march.arcs import Arcs
 from fe_lapjoint.march.march import march
-from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import System
 from lapjoint import (
     FREE,
@@ -410,12 +409,3 @@ def test_modes_that_die_out_change_no_derivative(monkeypatch: pytest.MonkeyPatch
         assert all_modes is not None
         assert np.count_nonzero(known[0, :n]) < np.count_nonzero(all_modes[0, :n])
         assert np.abs(known - all_modes).max() <= 1e-14 * np.abs(all_modes).max()
-
-
-def test_free_modes_are_followed_backwards_beside_overdamped_ones() -> None:
-    a, omega, t = np.array([0.1, 2.0, 1.0, 0.0, 0.5]), np.array([3.0, 1.0, 1.0, 0.0, 0.0]), np.array([0.7])
-    forth, back = (np.array(free_response(a, omega, sign * t))[:, :, 0] for sign in (1, -1))
-    for i in range(a.size):
-        (C, S), (c, s) = forth[:, i], back[:, i]
-        one, two = (np.array([[x, y], [-(omega[i] ** 2) * y, x - 2 * a[i] * y]]) for x, y in ((C, S), (c, s)))
-        assert one @ two == pytest.approx(np.eye(2), abs=1e-14)
