@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import pytest
 from branch_witness import AnySolver, Witnessed, witnessed
+from few_and_many import in_processes
 
 import analytic
 import fe_lapjoint
@@ -48,6 +47,4 @@ def test_a_branch_over_gaps_that_are_twins_at_one_value_alone_is_true() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_no_branch_of_random_joints_is_false(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        tasks = [pool.submit(witnessed, solver, SEED, index) for index in range(COUNT)]
-        check(list(enumerate(task.result() for task in tasks)))
+    check(enumerate(in_processes(partial(witnessed, solver, SEED), range(COUNT))))

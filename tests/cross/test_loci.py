@@ -48,8 +48,17 @@ def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatA
     return found, omega, exact
 
 
-def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
-    found, omega, exact = locus(problem, solver)
+@pytest.mark.parametrize(
+    ("seed", "index"),
+    [
+        (2, 3),
+        pytest.param(1, 9, marks=pytest.mark.thorough),
+        *(pytest.param(2, i, marks=pytest.mark.slow) for i in range(1, 41, 2)),
+    ],
+)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, seed: int, index: int) -> None:
+    found, omega, exact = locus(joint(seed, index), solver)
     first = np.flatnonzero(found.bifurcation_first.values & (found.bifurcation_after.values != "ends"))  # others spring
     assert {KINDS[kind] for kind in found.bifurcation_kind.values[first]} == {"grazing"}
     np.testing.assert_array_equal(found.bifurcation_also_over.values[first], omega)
@@ -59,19 +68,6 @@ def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
         assert allowed <= 2e-3 * row.min()
         assert float(found.bifurcation_value[j]) == pytest.approx(row.min(), rel=0, abs=allowed)
         assert row[int(found.bifurcation_stop[j])] == pytest.approx(row.min(), rel=1e-12)
-
-
-@pytest.mark.parametrize("which", [pytest.param((1, 9), marks=pytest.mark.thorough), (2, 3)])
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, which: tuple[int, int]) -> None:
-    assert_is_that_of_the_closed_form(joint(*which), solver)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("index", range(1, 41, 2))
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_the_locus_of_the_first_graze_of_many_joints_is_that_of_the_closed_form(solver: str, index: int) -> None:
-    assert_is_that_of_the_closed_form(joint(2, index), solver)
 
 
 def labels_of(found: xr.Dataset) -> list[tuple[Any, ...]]:

@@ -7,14 +7,13 @@ of 4 or more: a sixteenth of the analytic solver's own error is left, and of the
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import numpy as np
 import pytest
 from beams import CLAMP, UNIT
+from few_and_many import in_processes
 from population import stepped_joint
 
 import analytic
@@ -76,5 +75,4 @@ def test_errors_of_a_few_peak_forces_hold() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_errors_of_peak_forces_hold(solver: analytic.Solver | fe_lapjoint.Solver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check([task.result() for task in [pool.submit(judged, solver, i) for i in range(COUNT)]])
+    check(list(in_processes(partial(judged, solver), range(COUNT))))

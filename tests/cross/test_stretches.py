@@ -36,8 +36,8 @@ EXCITATIONS = {
     "left alone": {"base_motion": None, "initial": LEFT_ALONE},
 }
 EXACT = ("random", "record", "periodic")
-"""Where a stretch ends at an end that the excitation offers.  Elsewhere the end that is made for it is a rounding, which
-the contacts after it make larger."""
+"""Where a stretch ends at an end that the excitation offers.  Elsewhere the end that is made for it is a rounding,
+which the contacts after it make larger."""
 
 
 def driven(name: str) -> Problem:

@@ -7,15 +7,13 @@ the same to less than half of the stated error, and is then off by what both of 
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
 from collections import defaultdict
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
 
 import numpy as np
 import pytest
+from few_and_many import few_and_many, in_processes
 from population import lasting_joint, stiffened_joint
 from refining import doubled, refined, touches
 
@@ -92,13 +90,6 @@ def check(numbers: dict[tuple[str, str], FloatArray], covered: float = COVERED) 
     assert all(share >= covered for share in held.values()), held
 
 
-def coarsely(indices: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> dict[tuple[str, str], FloatArray]:
-    """The same kind in a fraction of the time: few modes, few elements, and no more samples than those take."""
-    monkeypatch.setattr(of_orbit, "MOST", 4096)
-    few = analytic.Solver(n_modes=12, max_periods=100), fe_lapjoint.Solver(elements=10, max_periods=100)
-    return gathered([judged(index, *few) for index in indices])
-
-
 def pooled(numbers: dict[tuple[str, str], FloatArray]) -> dict[tuple[str, str], FloatArray]:
     """All columns of a solver together, where a column has too few numbers for a share."""
     return {
@@ -107,21 +98,17 @@ def pooled(numbers: dict[tuple[str, str], FloatArray]) -> dict[tuple[str, str], 
     }
 
 
-def test_errors_of_a_few_summaries_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    check(pooled(coarsely(QUICK[:2], monkeypatch)))
-
-
-@pytest.mark.thorough
-def test_errors_of_twenty_summaries_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    check(pooled(coarsely(QUICK, monkeypatch)))
+@pytest.mark.parametrize("indices", few_and_many(QUICK[:2], QUICK, pytest.mark.thorough))
+def test_errors_of_a_few_summaries_hold(indices: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few modes and elements, with no more samples than those take: in a fraction of the time."""
+    monkeypatch.setattr(of_orbit, "MOST", 4096)
+    few = analytic.Solver(n_modes=12, max_periods=100), fe_lapjoint.Solver(elements=10, max_periods=100)
+    check(pooled(gathered([judged(index, *few) for index in indices])))
 
 
 @pytest.mark.slow
 def test_errors_of_summaries_hold() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        results = pool.map(judged, range(DRAWN))
-        found = list(islice((one for one in results if one is not None), COUNT))
-        pool.shutdown(cancel_futures=True)
+    found = list(islice((one for one in in_processes(judged, range(DRAWN)) if one is not None), COUNT))
     assert len(found) == COUNT
     check(gathered(found))
 

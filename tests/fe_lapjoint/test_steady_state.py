@@ -10,13 +10,11 @@ import pytest
 import fe_lapjoint
 from lapjoint import (
     BaseMotion,
-    InputError,
     ModalDamping,
     Outcome,
     StepLoad,
     ViscousDamping,
     paper_joint,
-    sdnl104,
 )
 
 pytestmark = pytest.mark.long_march
@@ -65,11 +63,6 @@ def test_small_excitation_touches_no_stop_and_gives_the_linear_response() -> Non
     expected = (amplitude * np.exp(1j * omega * t)).imag
     z = steady.history.displacement(2.5, t)[0]
     assert z == pytest.approx(expected, abs=1e-6 * abs(amplitude))  # the trapezoidal rule
-
-
-def test_a_problem_without_one_frequency_has_no_steady_state() -> None:
-    with pytest.raises(InputError, match="frequency"):
-        fe_lapjoint.Solver(elements=4).steady_state(sdnl104())
 
 
 @pytest.mark.parametrize(("omega", "amplitude"), [(515.0, 1e-5), (3000.0, 1e-4)])  # without contact, and with

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from brute_force import switches
+from few_and_many import few_and_many
 from population import recorded_joint
 from scipy.integrate import fixed_quad, solve_ivp
 
@@ -44,17 +46,11 @@ def worst(index: int) -> tuple[int, float]:
     return len(tiny), max((abs(a - b) / duration for (_, a), (_, b) in zip(found, tiny, strict=True)), default=0.0)
 
 
-def test_tiny_steps_find_the_same_switches() -> None:
-    counts, errors = zip(*(worst(index) for index in FEW), strict=True)
+@pytest.mark.parametrize("indices", few_and_many(FEW, range(80)))
+def test_tiny_steps_find_the_same_switches(indices: Iterable[int]) -> None:
+    counts, errors = zip(*(worst(index) for index in indices), strict=True)
     assert sum(counts)
     assert max(errors) < 1e-7  # the cubics of tiny steps; chaos makes of it what it will, in fourteen switches
-
-
-@pytest.mark.slow
-def test_tiny_steps_find_the_same_switches_in_many_joints() -> None:
-    counts, errors = zip(*(worst(index) for index in range(80)), strict=True)
-    assert sum(counts)
-    assert max(errors) < 1e-7
 
 
 def shaken(rate: float, duration: float, *stops: Stop) -> Problem:
