@@ -19,8 +19,6 @@ from lapjoint import ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint
 
 SETTLED, MODES = 30, (40, 90)
-STEP = 1e-6
-"""Difference of two starts, over the size of the motion."""
 DIED_OUT = math.log(1e-16)
 """Of a mode, logarithm of what is left of its free motion."""
 ALIKE, SLOW = 1e-12, 8
@@ -57,20 +55,3 @@ def test_deviations_at_the_stops_are_those_of_all_columns(seed: int) -> None:
         left = joint.tables.root[motion.log.slot[i], : joint.count(state)].real * width > DIED_OUT
         fewer += np.count_nonzero(left) < 0.7 * left.size
     assert fewer > 0  # so that units of the others are carried
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_marches_from_starts_a_little_apart_end_as_it_says(seed: int) -> None:
-    """Deviations of all modes alike, the fastest too, and of the slowest alone."""
-    period_map, point, _ = drawn(seed)
-    found, rng = period_map.linearised(point, 2), np.random.default_rng((92, seed))
-    units = 1 / period_map.unit_norms(point.coordinates.size)
-    for n in (point.coordinates.size // 2, 4):
-        deviation = np.zeros((2, point.coordinates.shape[1]))
-        deviation[:, :n] = rng.standard_normal((2, n))
-        way = STEP * period_map.size(point) * deviation.ravel() * units / np.linalg.norm(deviation)
-        ends = [period_map.march(period_map.moved(point, sign * way), 2) for sign in (1, -1)]
-        assert ends[0].switches == ends[1].switches
-        change = period_map.difference(ends[0].end, point) - period_map.difference(ends[1].end, point)
-        expected = 2 * found.matrix @ way
-        assert period_map.norm(change - expected) <= 1e-5 * period_map.norm(expected) + 1e-9 * period_map.norm(way)
