@@ -11,6 +11,7 @@ from refining import AnySolver
 
 import analytic
 import fe_lapjoint
+from analytic.period_map import PeriodMap as PeriodMapOfModes
 from lapjoint import FREE, BaseMotion, InputError, NoDamping, Problem, SineLoad, paper_joint
 from lapjoint.campaigns import Axis, Grid
 from lapjoint.orbits import PeriodMap
@@ -44,7 +45,9 @@ def assert_the_same(one: PeriodMap, anew: PeriodMap, field: str) -> None:
         sequence, start = ContactSequence(point.state), anew.arcs.coordinates(point)
         mine, its = (it.arcs.chain(sequence, start, 0.0, np.array([it.period]), number=field) for it in (one, anew))
         assert np.array_equal(mine.end, its.end)
-        assert np.array_equal(mine.by_number, its.by_number)
+        if isinstance(anew, PeriodMapOfModes):
+            assert its.by_number is not None
+            assert np.array_equal(mine.by_number, its.by_number)
 
 
 @pytest.mark.parametrize("field", [FREQUENCY, AMPLITUDE])
