@@ -186,17 +186,6 @@ def test_most_closed_takes_the_stiffer_side_of_every_position() -> None:
     assert most_closed(cantilever(1.0).replace(stops=())) == FREE
 
 
-def test_eight_two_sided_stops_are_solved() -> None:
-    """They have 6561 contact states, more than are listed."""
-    stops = tuple(
-        Stop(x=0.3 + 0.1 * i, side=side, gap=1e-3 * (0.5 + i % 3), stiffness=500.0)
-        for i in range(8)
-        for side in ("top", "bottom")
-    )
-    history = analytic.Solver().simulate(cantilever(1.0).replace(stops=stops), 1.0)
-    assert len(history.contacts) > 2
-
-
 @pytest.mark.parametrize(
     ("closed", "coordinates"),
     [

@@ -11,7 +11,7 @@ from analytic.march.joint import Joint
 from analytic.modes.beam_functions import gram, integral
 from analytic.modes.characteristic_equation import layout_of
 from analytic.modes.normal_modes import exact_modes
-from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, contact_states, paper_joint
+from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support, paper_joint
 from tests.helpers.beams import CLAMP, LONG
 
 PROBLEMS = {
@@ -87,15 +87,6 @@ def test_mapping_obeys_the_reciprocity_of_the_two_states() -> None:
     np.testing.assert_allclose(S * squares, jump, atol=1e-11 * np.abs(squares).max())
 
 
-def test_derivatives_of_shapes_agree_with_differences() -> None:
-    shapes = exact_modes(paper_joint(), ContactState((1,)), 10).shapes
-    x, h = np.array([0.31, 1.0, 2.1]), 1e-5
-    for d in (1, 2, 3):
-        difference = (shapes(x + h, d - 1) - shapes(x - h, d - 1)) / (2 * h)
-        scale = np.abs(shapes(x, d)).max(axis=1, keepdims=True)
-        assert np.all(np.abs(difference - shapes(x, d)) < 1e-7 * scale)  # h^2 beta^2 / 6 at the tenth mode
-
-
 def test_residual_shape_is_the_sum_of_the_left_out_modes() -> None:
     problem, state, x = paper_joint(), ContactState((0, 1)), np.array([0.3, 1.25, 2.5])
     few, joint = Joint(problem, 20, 20), Joint(problem, 300, 300)
@@ -104,15 +95,6 @@ def test_residual_shape_is_the_sum_of_the_left_out_modes() -> None:
     summed = (forces / many.modes.omega[20:] ** 2) @ many.modes.shapes(x)[20:]
     # The sum is cut at 300 modes (3e-4 of it is left out) and the foundation of the closed form moves it by 1e-6.
     np.testing.assert_allclose(few.residual(state)(x), summed, rtol=2e-3, atol=2e-3 * np.abs(summed).max())
-
-
-def test_frequencies_of_all_nine_states_interlace_the_free_ones() -> None:
-    problem = paper_joint(k_star=5000.0)
-    free = exact_modes(problem, FREE, 12).omega
-    for state in contact_states(problem):
-        omega = exact_modes(problem, state, 10).omega
-        assert np.all(omega >= free[:10] * (1 - 1e-14))
-        assert np.all(omega <= free[len(state.closed) : 10 + len(state.closed)] * (1 + 1e-14))
 
 
 ENDS = {
