@@ -27,7 +27,7 @@ def own_motion(system: System, y: FloatArray, t: float, times: FloatArray) -> Fl
     The answer X (sin, cos) of the unknowns has M X + B = X S, where the loads' own equation is s' = S s.
     """
     n = system.omega.size
-    M, z = dense_march._matrix(system, np.ones(n), y, t)
+    M, z = dense_march.matrix(system, np.ones(n), y, t)
     loads = slice(2 * n + 1, None)
     A = M[: 2 * n, : 2 * n]
     X = solve_sylvester(A, -M[loads, loads], -M[: 2 * n, loads])
@@ -56,7 +56,7 @@ def test_steps_by_the_modes_that_move_find_what_steps_by_all_find(index: int, mo
         y = np.asarray(map_.modal(start)).ravel()
         few = dense_march.dense_march(map_.model, start.state, y, map_.period, PERIODS)
         with monkeypatch.context() as patch:
-            patch.setattr(dense_march, "_STILL", -1.0)
+            patch.setattr(dense_march, "STILL", -1.0)
             every = dense_march.dense_march(map_.model, start.state, y, map_.period, PERIODS)
         assert [stop for stop, _ in few.switches] == [stop for stop, _ in every.switches]
         times = [np.array([t for _, t in one.switches]) for one in (few, every)]

@@ -8,12 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from brute_force import switches
+from dense_march import dense_march
 from few_and_many import few_and_many
 from population import recorded_joint
 from scipy.integrate import fixed_quad, solve_ivp
 
 import fe_lapjoint
+from fe_lapjoint.march.initial import initial_coordinates, initial_state
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.ramp_march import LONGEST
 from fe_lapjoint.march.system import build_system
@@ -40,7 +41,10 @@ def worst(index: int) -> tuple[int, float]:
     """Switches compared with those of tiny steps, and the largest difference over the duration."""
     problem, duration = recorded_joint(SEED, index)
     mesh = Assembly(problem, mesh_nodes(problem, ELEMENTS, None))
-    tiny = switches(Model(problem, mesh, "exact", 1e-9, 1e-12), duration, MOST)
+    model = Model(problem, mesh, "exact", 1e-9, 1e-12)
+    state = initial_state(model)
+    start = initial_coordinates(mesh, model.system(state))
+    tiny = dense_march(model, state, start, duration, most=MOST).switches
     found = by_stops(fe_lapjoint.Solver(elements=ELEMENTS).simulate(problem, duration, errors=False))[:MOST]
     assert [k for k, _ in found] == [k for k, _ in tiny], problem.title
     return len(tiny), max((abs(a - b) / duration for (_, a), (_, b) in zip(found, tiny, strict=True)), default=0.0)
@@ -50,7 +54,7 @@ def worst(index: int) -> tuple[int, float]:
 def test_tiny_steps_find_the_same_switches(indices: Iterable[int]) -> None:
     counts, errors = zip(*(worst(index) for index in indices), strict=True)
     assert sum(counts)
-    assert max(errors) < 1e-7  # the cubics of tiny steps; chaos makes of it what it will, in fourteen switches
+    assert max(errors) < 1e-7  # chaos makes of it what it will, in fourteen switches
 
 
 def shaken(rate: float, duration: float, *stops: Stop) -> Problem:

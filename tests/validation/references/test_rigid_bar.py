@@ -26,10 +26,8 @@ def integrated(bar: RigidBar, end: float) -> np.ndarray:
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         u, v = y[:n], y[n:]
         closed = frozenset(k for k in range(len(bar.stops)) if bar.gap_function(k, u) > 0)
-        modes, omega, decay, constant = bar._state(closed)
-        force = constant + sum(f * np.sin(w * t + phase) for f, w, phase in bar.harmonics)
-        C = bar.M @ modes @ np.diag(2 * decay) @ modes.T @ bar.M
-        K = bar.M @ modes @ np.diag(omega**2) @ modes.T @ bar.M
+        C, K, rest = bar.matrices(closed)
+        force = K @ rest + sum(f * np.sin(w * t + phase) for f, w, phase in bar.harmonics)
         return np.concatenate([v, inverse @ (force - C @ v - K @ u)])
 
     start = np.concatenate(bar.initial)
