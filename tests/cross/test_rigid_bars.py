@@ -1,7 +1,7 @@
 """A bar that is all but rigid on its springs is one degree of freedom, and costs no more than that.
 
-The witness is the rigid bar of `validation.references`, which numpy marches alone.  A bar bends by k L^3 / 48 EI of what
-it moves, at most 1e-8.
+The witness is the rigid bar of `validation.references`, which numpy marches alone.  A bar bends by at most 1e-8 of what
+it moves, k L^3 / 48 EI.
 """
 
 from __future__ import annotations
