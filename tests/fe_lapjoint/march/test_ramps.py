@@ -22,7 +22,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import FREE, History, InputError, ModalDamping, Problem, Stop, paper_joint
 from lapjoint.errors import RecordWarning
-from lapjoint.problem import RandomBaseMotion, RecordBaseMotion
+from lapjoint.problem import RecordBaseMotion
 
 SEED = 1
 FEW = (1, 2, 3, 6, 11, 17, 21)  # joints that turn, creep or ring, with knots as many and as few as they come
@@ -101,26 +101,6 @@ def test_impulses_and_peaks_are_those_of_the_force_over_time(history: History) -
         force = np.abs(history.contact_force(np.linspace(contact.start, contact.end, 1000))[contact.stop])
         assert contact.peak_force >= force.max() * (1 - 1e-9)
         assert contact.peak_force <= force.max() * (1 + 1e-3)
-
-
-def test_a_random_motion_goes_on_over_its_blocks() -> None:
-    base = RandomBaseMotion(psd=[[5.0, 80.0], [500.0, 80.0]], rate=20000.0, seed=4)
-    problem = paper_joint().replace(base_motion=base)
-    source = problem.forces.ramps
-    assert source is not None
-    edge = source.block_at(0.0).end
-    duration = 2.5 * edge
-    blocks = fe_lapjoint.Solver(elements=3).simulate(problem, duration, errors=False)
-    assert any(piece.end == edge for piece in blocks.field.pieces)
-    t = np.arange(int(duration * 20000.0) + 2) / 20000.0
-    record = RecordBaseMotion(quantity="acceleration", times=t, values=base.at(t, 2))
-    as_record = fe_lapjoint.Solver(elements=3).simulate(problem.replace(base_motion=record), duration, errors=False)
-    assert blocks.contacts
-    for a, b in zip(blocks.contacts[:10], as_record.contacts[:10], strict=True):
-        assert (a.stop, a.start) == (b.stop, pytest.approx(b.start, abs=1e-8))
-        assert a.impulse == pytest.approx(b.impulse, rel=1e-5)
-    around, size = np.array([edge - 1e-9, edge, edge + 1e-9]), np.abs(as_record.displacement(2.5, t[:-1])).max()
-    assert np.ptp(blocks.displacement(2.5, around)) < 1e-6 * size
 
 
 def test_a_long_record_keeps_few_pieces() -> None:
