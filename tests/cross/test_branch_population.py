@@ -14,7 +14,6 @@ import fe_lapjoint
 
 SEED, COUNT = 2013, 200  # problems that decide; nothing was ever chosen by how this seed goes
 QUICK_SEED, FEW, MORE = 77, (1, 8, 20), (5, 15)  # quickly traced; they have grazes, symmetric motions and unstable ones
-TWINS_IN_THE_MIDDLE = 67  # a gap varies, and the motion from rest settles where its stop has a twin alone
 MOST_WITHOUT = 0.1  # of the problems have no motion from rest that repeats after two periods at most
 LEAST_PUSHED = 2.0  # motions a problem, on average, that are not at a graze, nor have a multiplier near one
 SOLVERS: list[AnySolver] = [analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3)]
@@ -35,13 +34,6 @@ def check(found: Iterable[tuple[int, Witnessed]]) -> None:
 )
 def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, indices: tuple[int, ...]) -> None:
     check((index, witnessed(solver, QUICK_SEED, index)) for index in indices)
-
-
-def test_a_branch_over_gaps_that_are_twins_at_one_value_alone_is_true() -> None:
-    """There a motion may mirror itself, and nowhere else."""
-    found = witnessed(SOLVERS[0], SEED, TWINS_IN_THE_MIDDLE)
-    assert not found.faults
-    assert found.points
 
 
 @pytest.mark.slow
