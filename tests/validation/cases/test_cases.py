@@ -57,6 +57,11 @@ def test_a_case_agrees(case: Any) -> None:
     assert quick(case) == []
 
 
+def test_quick_parts_of_long_cases_agree() -> None:
+    assert disagree(rigid_bar.compared("doubled", rigid_bar.BARS["doubled"], lambda _: None)) == []
+    assert disagree(summaries.steady_with_contacts()) == []
+
+
 def test_cases_compare_what_they_are_for() -> None:
     names = {case: [item.name for item in case.run("quick", lambda _: None).items] for case in (balance, one_mode)}
     for case, part in ((balance, "angular momentum"), (one_mode, "frequency: FE"), (one_mode, "harmonic 3: analytic")):
