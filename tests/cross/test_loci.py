@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from closed_form import answer
+from closed_form import reached
 from population import joint
 
 from lapjoint import FREQUENCY, Axis, BaseMotion, Problem, branch
@@ -21,16 +21,6 @@ SOLVERS: dict[str, dict[str, int]] = {"analytic": {"n_modes": 20}, "fe": {"eleme
 LOCATED = 3e-8
 """Relative: grazes are located to 1e-9 in number and motion, and both sums leave out modes, of lightly damped joints
 some 1e-8 of the motion."""
-
-
-def reached(problem: Problem, omega: float) -> FloatArray:
-    """The amplitude of the base at which each stop is first reached without contact, m: gap over |H|."""
-    base = problem.base_motion
-    assert isinstance(base, BaseMotion)
-    unit = problem.replace(base_motion=base.model_copy(update={"angular_frequency": omega, "amplitude": 1.0}))
-    x = np.array(sorted({stop.x for stop in problem.stops}))
-    response = np.hypot(*answer(unit, x, np.array([0.0, np.pi / 2 / omega])).T)
-    return np.array([stop.gap / response[np.searchsorted(x, stop.x)] for stop in problem.stops])
 
 
 def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatArray]:
