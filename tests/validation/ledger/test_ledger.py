@@ -176,6 +176,12 @@ def test_errors_of_few_modes_are_larger_than_those_of_many() -> None:
     assert many < 0.1 * few
 
 
+def test_the_published_scheme_freezes_more_and_more_where_it_drifts() -> None:
+    early, late = mode_map.left_behind(1000.0, 8, 5)
+    assert late > 1.5 * early > 0.01
+    assert max(mode_map.left_behind(1000.0, 24, 24)) < 1e-3
+
+
 def test_findings_are_read_off_a_variant() -> None:
     found = sensitivity.findings(sensitivity.scaled(paper_joint(), gap=1.02), 4)
     assert found.settled == 3
