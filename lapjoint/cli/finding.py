@@ -23,10 +23,10 @@ def found_or_stored(
     *,
     search: bool = False,
 ) -> xr.Dataset:
-    """The dataset of a plan: from its file if it is finished there, else found, with progress under a `title`.
+    """The dataset of a plan: read from its file if the file is finished, else found, with progress under a `title`.
 
-    `holds` says what a finished file has, as "this sweep".  With `search`, work leads to more work, and no time left is
-    told.  `find` takes `progress` and the fields of `work`.
+    `holds` names the content of a finished file, for example "this sweep".  `find` takes `progress` and the fields of
+    `work`.  With `search`, the amount of work is not known in advance, and progress shows no remaining time.
     """
     from lapjoint.campaigns import stored
     from lapjoint.cli.progress import shown_points, shown_search
