@@ -11,9 +11,9 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
-from lapjoint.campaigns.batch import Batch, Solved, solve_batch
-from lapjoint.campaigns.job import CellSolver
-from lapjoint.campaigns.workers import Deliver, given_up
+from lapjoint.campaigns.batch import Solved, given_up, solve_batch
+from lapjoint.campaigns.job import Batch, Job
+from lapjoint.campaigns.workers import Deliver
 from lapjoint.errors import InputError, SolverError
 
 REACHED = 15.0
@@ -27,7 +27,7 @@ LOOK = 5.0
 T = TypeVar("T")
 
 
-def work_on_cluster(job: CellSolver, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
+def work_on_cluster(job: Job[Any, Any], batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
     """Solve all batches on the workers of the dask scheduler at an address, as ``tcp://host:8786``.
 
     Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
@@ -107,7 +107,7 @@ async def _answer(scheduler: str) -> None:
     comm.abort()
 
 
-def _work(client: Any, job: CellSolver, batches: Iterable[Batch], deliver: Deliver) -> None:
+def _work(client: Any, job: Job[Any, Any], batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}

@@ -12,7 +12,7 @@ import analytic
 from analytic.march import Joint
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, InputError, NoDamping, Problem, SineLoad, paper_joint
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY

@@ -18,11 +18,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 
 CHUNK = 64
 """Number of starts in a chunk: enough for a compiled call to pay, few enough for an interrupt to lose little."""
@@ -48,7 +49,7 @@ class Chunk(NamedTuple):
 
 
 @dataclass(frozen=True)
-class BasinPlan:
+class BasinPlan(Spec):
     """Everything that the answer depends on.
 
     Parameters
@@ -210,7 +211,7 @@ class BasinPlan:
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or there is no valid problem or plane."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         if self.grid is not None:
             self.grid.check()
         if self.plane is not None:
@@ -233,8 +234,3 @@ class BasinPlan:
             "over": None if self.over is None else {self.over.path: list(self.over.values)},
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)

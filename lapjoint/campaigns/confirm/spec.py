@@ -14,7 +14,8 @@ import numpy as np
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.identity import check_integer, digest_of, versions
+from lapjoint.campaigns.identity import check_integer, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
 from lapjoint.solver import Solver
@@ -45,7 +46,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class ConfirmSpec:
+class ConfirmSpec(Spec):
     """Everything that a confirmation depends on; most fields are the arguments of `lapjoint.confirm`."""
 
     noun: ClassVar[str] = "confirmation"
@@ -91,11 +92,6 @@ class ConfirmSpec:
             "seed": self.seed,
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)
 
 
 def confirm_spec(

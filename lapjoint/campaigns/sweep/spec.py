@@ -17,9 +17,10 @@ import numpy as np
 
 from lapjoint.campaigns.dataset import SWEEP
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 from lapjoint.summaries.of_orbit import check_names
 
 Start = Literal["rest", "up", "down", "random"]
@@ -29,7 +30,7 @@ MOST_STARTS = 10_000
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Spec):
     """Everything that the answers of a sweep depend on.
 
     Parameters
@@ -115,7 +116,7 @@ class Plan:
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or a point has no valid problem."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         self.grid.check()
         return solver
 
@@ -135,8 +136,3 @@ class Plan:
             **({"summary": list(self.summary)} if self.summary else {}),  # as before where there is none
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)

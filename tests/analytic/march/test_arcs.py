@@ -21,7 +21,7 @@ from analytic.march.oscillator import DRIFTING, OSCILLATING, SPLIT
 from analytic.period_map import PeriodMap
 from lapjoint import BaseMotion, ModalDamping, NoDamping, Problem, Support, ViscousDamping, paper_joint
 from lapjoint.answers import SectionPoint
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits.arcs import Chain, ContactSequence, HasArcs
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY
 from lapjoint.orbits.watch import motion_at

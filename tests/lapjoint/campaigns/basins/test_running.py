@@ -13,12 +13,12 @@ from scipy.stats import binomtest
 from toy import bar
 
 from lapjoint import Axis, InputError, ModalDamping, basins
+from lapjoint.campaigns.basins.job import BasinJob
 from lapjoint.campaigns.basins.motions import wilson
-from lapjoint.campaigns.basins.running import BasinJob
 from lapjoint.campaigns.basins.solve import ChunkEnds
 from lapjoint.campaigns.basins.spec import CHUNK, BasinPlan
 from lapjoint.campaigns.basins.table import read_basins
-from lapjoint.campaigns.journal import CellJournal, journal_path
+from lapjoint.campaigns.journal import Journal, journal_path
 from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.errors import Interrupted
 from lapjoint.problem.plane import Plane
@@ -83,7 +83,7 @@ def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.Monk
             shape=PLANE["grid"],
             ranges=PLANE["ranges"],
         )
-        journal = CellJournal(BasinJob(plan), out)
+        journal = Journal(BasinJob(plan), out)
         assert sorted(journal.points) == solved == [0, 1]
         journal.close()
     xr.testing.assert_identical(basins(MIRROR, **PLANE, out=out), whole)
@@ -108,7 +108,7 @@ def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) ->
     script.write_text(SCRIPT)
     killed_at_work([str(script), str(out), str(Path(__file__).parent)], out, 3)
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=6400)
-    kept = CellJournal(BasinJob(plan), out)
+    kept = Journal(BasinJob(plan), out)
     assert len(kept.points) >= 2
     kept.close()
 

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns import branch
 from lapjoint.campaigns.branches.solve import solve_branch, solve_start
 from lapjoint.campaigns.branches.spec import BranchSpec
 

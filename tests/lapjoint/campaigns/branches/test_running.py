@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 
 from lapjoint import FREQUENCY, Axis, BaseMotion, Beam, InputError, ModalDamping, Problem, Stop, Support
+from lapjoint.campaigns import branch
 from lapjoint.campaigns.branches import search, solve
-from lapjoint.campaigns.branches.running import branch
 from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.campaigns.journal import journal_path
 from lapjoint.errors import Interrupted

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns import branch
 
 
 @pytest.fixture(scope="session")

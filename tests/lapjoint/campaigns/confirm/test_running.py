@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from lapjoint import InputError
-from lapjoint.campaigns.confirm.running import confirm
+from lapjoint.campaigns import confirm
 from lapjoint.campaigns.dataset import read_result
 from lapjoint.errors import Interrupted
 

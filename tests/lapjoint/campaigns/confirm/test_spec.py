@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from lapjoint import Axis, InputError
-from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns import branch
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.table import branch_dataset
 from lapjoint.campaigns.confirm import solve
