@@ -146,9 +146,13 @@ class Job(ABC, Generic[S, A]):
         done and the whole.  InputError is raised if the cell has no valid problem.
         """
 
+    def plain(self, point: A) -> dict[str, Any]:
+        """The attributes of an answer as values that JSON can hold."""
+        return vars(point)
+
     @abstractmethod
     def point(self, fields: Mapping[str, Any]) -> A:
-        """The answer of a cell from its attributes, as a journal holds them."""
+        """The answer of which `plain` gave the attributes, or some of them."""
 
     @abstractmethod
     def dataset(self, points: Mapping[Any, A]) -> xr.Dataset:
@@ -169,7 +173,7 @@ class Job(ABC, Generic[S, A]):
 
     def line(self, points: Mapping[Any, A], section: PlainSection | None) -> dict[str, Any]:
         """Answers, and the section point at which a chain continues after them, as a line of the journal."""
-        line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
+        line: dict[str, Any] = {"cells": list(points), "points": [self.plain(point) for point in points.values()]}
         return line if section is None else {**line, "section": section}
 
     def from_line(self, line: Mapping[str, Any]) -> tuple[dict[Any, A], PlainSection | None]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from lapjoint.campaigns.basins.solve import NO_LIBRARY, ChunkEnds, library_text, prepared, solve_chunk
+from lapjoint.campaigns.basins.solve import NO_LIBRARY, ChunkEnds, Failure, library_text, prepared, solve_chunk
 from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.basins.table import basins_dataset
 from lapjoint.campaigns.job import Job
@@ -48,7 +48,7 @@ class BasinJob(Job[BasinPlan, ChunkEnds]):
 
     def point(self, fields: Mapping[str, Any]) -> ChunkEnds:
         """The ends of a chunk from their attributes."""
-        return ChunkEnds(**fields)
+        return ChunkEnds(**{**fields, "messages": [Failure(*one) for one in fields.get("messages", ())]})
 
     def dataset(self, points: Mapping[int, ChunkEnds]) -> xr.Dataset:
         """The dataset of all chunks."""

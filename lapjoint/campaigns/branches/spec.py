@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.identity import check_integer, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
 from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.sweep.spec import MOST_STARTS
 from lapjoint.errors import InputError
@@ -68,7 +68,7 @@ class BranchSpec(Spec):
         check_integer("starts", self.starts, 0, MOST_STARTS)
         check_integer("max_points", self.max_points, 2, MOST_POINTS)
         check_integer("effort", self.effort, 1, MOST_POINTS)
-        check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_seed(self.seed)
         for name, value in (("from", self.first), ("to", self.last)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
                 raise InputError(f"{name} = {value!r}: must be a finite number")

@@ -35,7 +35,7 @@ from lapjoint.campaigns.dataset import (
     tabulated,
 )
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.point import OUTCOME_CODES, Point
+from lapjoint.campaigns.point import OUTCOME_CODES, Point, point_from
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,8 +63,12 @@ _LIKELY = (
 
 def _peak_forces(point: Point) -> list[float]:
     """The largest force of each stop, N."""
-    stops = range(len(point.impulses))
-    return [max((force for own, _, _, _, force, _ in point.contacts if own == stop), default=0.0) for stop in stops]
+    stops, contacts = range(len(point.impulses)), point.contacts
+    return [max((one.peak_force for one in contacts if one.stop == stop), default=0.0) for stop in stops]
+
+
+def _is_stable(point: Point) -> bool:
+    return abs(complex(point.multiplier_real, point.multiplier_imag)) < 1
 
 
 _OF_POINTS = (
@@ -77,7 +81,7 @@ _OF_POINTS = (
         "",
         "whether all Floquet multipliers lie within the unit circle",
         YES_NO,
-        value=lambda point: abs(complex(point.multiplier_real, point.multiplier_imag)) < 1,
+        value=_is_stable,
     ),
     Column("symmetric", "i1", "", "whether half the motion's period mirrors it", YES_NO),
     Column("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
@@ -204,7 +208,7 @@ def read_branches(path: str | Path) -> xr.Dataset:
 
 
 def _points(spec: BranchSpec, branches: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
-    axis, rows = spec.axis, [Point(**one) for branch in branches for one in branch["points"]]
+    axis, rows = spec.axis, [point_from(one) for branch in branches for one in branch["points"]]
     value = Column(axis.name, "f8", axis.units, axis.path, {"path": axis.path})
     owner = Column("branch", "i4", "1", "number of the branch, from 0; the points of each lie in sequence along it")
     return {
@@ -223,10 +227,10 @@ def _bifurcations(spec: BranchSpec, branches: Sequence[Mapping[str, Any]]) -> di
         _column("error", "f8", units, error),
         *_OF_BIFURCATIONS,
     )
-    return tabulated("bifurcation", columns, list(_rows(branches, stops)), stops, "bifurcation_")
+    return tabulated("bifurcation", columns, list(_located(branches, stops)), stops, "bifurcation_")
 
 
-def _rows(branches: Sequence[Mapping[str, Any]], stops: int) -> Iterator[_Bifurcation]:
+def _located(branches: Sequence[Mapping[str, Any]], stops: int) -> Iterator[_Bifurcation]:
     """The bifurcations of all branches."""
     first = 0
     for i, branch in enumerate(branches):

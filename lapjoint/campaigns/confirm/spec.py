@@ -14,7 +14,7 @@ import numpy as np
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.identity import check_integer, versions
+from lapjoint.campaigns.identity import check_seed, versions
 from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
@@ -101,7 +101,7 @@ def confirm_spec(
 
     InputError is raised if an argument is not allowed, or the dataset has nothing that can be confirmed.
     """
-    check_integer("seed", seed, 0, 2**63 - 1)
+    check_seed(seed)
     if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share <= 1:
         raise InputError(f"share = {share!r}: must be above 0, and at most 1")
     if "bifurcation_arcs" not in found:

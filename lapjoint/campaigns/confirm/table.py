@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from lapjoint.campaigns.branches.table import KIND_FLAGS, KINDS
+from lapjoint.campaigns.confirm.spec import ConfirmSpec
 from lapjoint.campaigns.dataset import Column, attributes_of, flags
 from lapjoint.orbits.branches.confirmation import Verdict
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.confirm.solve import Confirmed
-    from lapjoint.campaigns.confirm.spec import ConfirmSpec
-
 VERDICTS = get_args(Verdict)
 """Names of the verdicts, in the sequence of their codes from 0."""
+
+
+@dataclass(frozen=True)
+class Confirmed:
+    """The result of the other solver for a bifurcation."""
+
+    value: float = np.nan
+    """The parameter by the other solver, in its SI unit; NaN where the other solver does not find the bifurcation."""
+    error: float = np.nan
+    """Error of the other solver's value, in the unit of the value; infinite where none can be stated, NaN where the
+    bifurcation is not found."""
+    verdict: Verdict = "not found"
+    """Whether both solvers agree."""
+    message: str = ""
+    """Why the bifurcation is not found."""
 
 
 def confirm_dataset(spec: ConfirmSpec, answers: Sequence[Confirmed]) -> xr.Dataset:

@@ -6,9 +6,8 @@ import numpy as np
 import xarray as xr
 
 from lapjoint.campaigns.branches.table import KINDS
-from lapjoint.campaigns.confirm.solve import Confirmed
 from lapjoint.campaigns.confirm.spec import confirm_spec
-from lapjoint.campaigns.confirm.table import VERDICTS, confirm_dataset
+from lapjoint.campaigns.confirm.table import VERDICTS, Confirmed, confirm_dataset
 
 
 def test_each_bifurcation_has_its_verdict_and_its_distance_over_both_errors(branches: xr.Dataset) -> None:

@@ -13,7 +13,7 @@ from killing import killed_at_work
 
 from lapjoint import Beam, InputError, ModalDamping, Problem, SolverError, Stop, Support, statistics, write_problem
 from lapjoint.campaigns.journal import journal_path
-from lapjoint.campaigns.statistics import solve
+from lapjoint.campaigns.statistics import job
 from lapjoint.campaigns.statistics.spec import Realisations
 from lapjoint.errors import Interrupted
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
@@ -122,14 +122,14 @@ def test_what_cannot_be_is_refused(problem: Problem, given: dict[str, Any], mess
 
 
 def test_realisations_that_failed_are_told_and_left_out(monkeypatch: pytest.MonkeyPatch, whole: xr.Dataset) -> None:
-    made = solve.sums_of
+    made = job.sums_of
 
     def fails(what: Measure, solver: Solver, problem: Problem, progress: Any) -> Sums:
         if problem.base_motion.seed in broken:  # type: ignore[union-attr]
             raise SolverError("stuck")
         return made(what, solver, problem, progress)
 
-    monkeypatch.setattr(solve, "sums_of", fails)
+    monkeypatch.setattr(job, "sums_of", fails)
     broken = [2]
     found = statistics(NOISY, seeds=4, **GIVEN)
     assert (found.attrs["failed"], found.attrs["messages"], found.attrs["units"]) == (1, "stuck", 3)
