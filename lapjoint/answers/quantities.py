@@ -12,7 +12,7 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class Quantity:
-    """A derivative of the displacement, times a constant, with the motion of the base or without."""
+    """A derivative of the displacement, times a constant, with or without the motion of the base."""
 
     name: str
     units: str
@@ -25,7 +25,7 @@ class Quantity:
     """Whether the motion of the base is added."""
 
     def factor(self, problem: Problem) -> float:
-        """The constant by which the derivative is multiplied, in `units` over the units of the derivative."""
+        """The constant by which the derivative is multiplied, in `units` divided by the unit of the derivative."""
         beam = problem.beam
         if self.name == "stress":
             material, section = beam.require_section("stress")
@@ -50,7 +50,7 @@ _ALL = (
     Quantity("stress", "Pa", "bending stress at the top of the section, tension positive", 2, 0),
 )
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
-"""The quantities by their names, in the order in which they are listed."""
+"""The quantities by their names, in the order of lists."""
 
 
 def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collection[str]) -> list[str]:

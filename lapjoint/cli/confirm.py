@@ -11,8 +11,8 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, solver_op
 @click.command()
 @click.argument("branches", type=FILE)
 @solver_options_with("fe", "The other solver: fe, analytic, or another installed.")
-@click.option("--share", type=float, default=1.0, show_default=True, help="Look for this share, drawn at random.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
+@click.option("--share", type=float, default=1.0, show_default=True, help="Fraction to look for, drawn at random.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random draw.")
 @campaign_options(out_required=True)
 def confirm(
     branches: str,
@@ -21,10 +21,10 @@ def confirm(
     solver: SolverChoice,
     work: Work,
 ) -> None:
-    """Look for each bifurcation in the file BRANCHES of `lapjoint branch` by another solver, too.
+    """Locate each bifurcation in the file BRANCHES of `lapjoint branch` with another solver, too.
 
-    The other solver starts from the motions in the file, and states its own errors.  Interrupted in any way, the same
-    command resumes.  The exit status is 1 unless both agree on all.
+    The other solver starts from the motions in the file, and states its own errors.  The exit status is 1 unless both
+    solvers agree on all bifurcations.  If the command is interrupted, run it again: it resumes.
     """
     from lapjoint.campaigns.branches.table import read_branches
     from lapjoint.campaigns.confirm.job import ConfirmJob

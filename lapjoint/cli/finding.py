@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work, *, search: bool = False) -> xr.Dataset:
-    """The dataset of a job: from its file if it is finished there, else found, with progress under a `title`.
+    """The dataset of a job: read from its file if the file is finished, else found, with progress under a `title`.
 
-    `holds` says what a finished file has, as "this sweep".  With `search`, work leads to more work, and no time left is
-    told.
+    `holds` names the content of a finished file, for example "this sweep".  With `search`, the amount of work is not
+    known in advance, and progress shows no remaining time.
     """
     from lapjoint.campaigns.running import run_job, stored
     from lapjoint.cli.progress import shown_points, shown_search

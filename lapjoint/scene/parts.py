@@ -1,8 +1,8 @@
 """The parts of a scene: fixed points and cells, and the values that they carry at any time.
 
-The points lie where the joint is at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
-each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector moves all parts
-together, at true scale or any other, and a beam that presses a stop touches it at every scale.
+The points are those of the joint at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
+each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector of ParaView
+moves all parts together, at any scale, and a beam that presses a stop touches the stop at every scale.
 
 ================== ====================== ==============================================================
 part               cells                  what it is
@@ -147,7 +147,7 @@ class Beam(Part):
 
 
 class Solid(Part):
-    """The beam in its true cross-section, which stays plane and at right angles to the axis."""
+    """The beam in its true cross-section, which remains plane and at right angles to the axis."""
 
     @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
@@ -255,7 +255,7 @@ class Base(Part):
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
-    """The parts of a joint: a solid if there is a cross-section, and stops, with their gaps if asked for."""
+    """The parts of a joint: a solid if there is a cross-section, and stops; their gaps, too, if `gaps` is true."""
     problem = layout.problem
     solid = (Solid(layout),) if problem.beam.section else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()
