@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import queue
 import time
@@ -78,6 +77,8 @@ def connected(scheduler: str) -> Any:
     InputError is raised if dask.distributed is not installed, the scheduler does not answer within `REACHED`, or it has
     no worker within `PATIENCE`.
     """
+    import asyncio  # slow, and needed here alone
+
     try:
         from distributed import Client
     except ImportError:
