@@ -1,12 +1,14 @@
 """The campaigns as functions: `sweep`, `basins`, `branch`, `confirm` and `statistics`.
 
 Jobs whose modules load scipy and numba are imported when they are asked for, because `lapjoint.campaigns` is also
-imported for lighter work.
+imported for lighter work.  The package `confirm` is imported here: its first import gives its name in
+`lapjoint.campaigns` to the package, and a later one would take the name from the function.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -24,6 +26,8 @@ from lapjoint.problem.plane import Plane
 
 if TYPE_CHECKING:
     import xarray as xr
+
+import_module("lapjoint.campaigns.confirm")
 
 
 def sweep(

@@ -3,6 +3,8 @@ is."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -169,3 +171,17 @@ def test_another_finished_campaign_is_thrown_away_if_told(finished: Finished, tm
     other = finished.campaign(out=out, force=True, **finished.campaign.other)
     assert other.attrs["fingerprint"] != finished.dataset.attrs["fingerprint"]
     xr.testing.assert_equal(read_result(out, finished.campaign.noun), other)
+
+
+def test_a_campaign_keeps_its_name_when_all_of_its_package_is_imported() -> None:
+    """In a process of its own: a package of the same name takes the name when it is first imported."""
+    packages = ("sweep", "basins", "branches", "confirm", "statistics")
+    code = "\n".join(
+        [
+            "import lapjoint.campaigns",
+            *(f"import lapjoint.campaigns.{name}.job" for name in packages),
+            "from lapjoint import basins, branch, confirm, statistics, sweep",
+            "assert all(map(callable, (basins, branch, confirm, statistics, sweep)))",
+        ]
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
