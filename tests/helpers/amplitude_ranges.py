@@ -35,17 +35,6 @@ def first_graze(problem: Problem) -> float:
     return min(stop.gap / float(np.interp(stop.x, x, response)) for stop in problem.stops)
 
 
-def clamped_response(coefficient: float, omega: float, x: float) -> float:
-    """Amplitude at x over that of the base, |H|, of a viscously damped cantilever, EI = m = L = 1, by closed form."""
-    # z = P + sum c_i e^(b_i x) with z'''' = b^4 z + P b^4, and z = z' = 0 at 0, z'' = z''' = 0 at 1.
-    fourth = omega**2 - 1j * coefficient * omega
-    b = fourth**0.25 * 1j ** np.arange(4)
-    rows = np.array([np.ones(4), b, b**2 * np.exp(b), b**3 * np.exp(b)])
-    part = -(omega**2) / fourth
-    c = np.linalg.solve(rows, np.array([-part, 0, 0, 0]))
-    return float(abs(part + c @ np.exp(b * x)))
-
-
 def range_of(problem: Problem, solver: object, low: float, high: float) -> ParameterRange:
     """A range of the amplitude of the base, m, by a solver."""
     grid = Grid(problem, (Axis(AMPLITUDE, (low, high)),))
