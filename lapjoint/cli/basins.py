@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import click
@@ -50,7 +49,7 @@ def basins(
     Starts are the points of a grid in a --plane, or random states of at most an --energy. If the command is
     interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns import solve_basins
+    from lapjoint.campaigns.basins.job import BasinJob
     from lapjoint.campaigns.basins.table import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
@@ -61,7 +60,7 @@ def basins(
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver.name, solver.numerics, **chosen)
-    found = found_or_stored(plan, "basins", "these basins", partial(solve_basins, plan), work)
+    found = found_or_stored(BasinJob(plan), "basins", "these basins", work)
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

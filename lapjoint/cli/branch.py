@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
@@ -86,7 +84,7 @@ def branch(
     Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
     two parameters.  If the command is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns.branches.running import find_branches
+    from lapjoint.campaigns.branches.job import BranchJob
     from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.cli import arguments
     from lapjoint.cli.branch_printing import is_whole, print_branches
@@ -111,6 +109,6 @@ def branch(
         also_over=also_over,
         from_grazes=from_grazes,
     )
-    found = found_or_stored(plan, "branch", "these branches", partial(find_branches, plan), work, search=True)
+    found = found_or_stored(BranchJob(plan), "branch", "these branches", work, search=True)
     print_branches(found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.completing import FILE
@@ -29,15 +27,14 @@ def confirm(
     solvers agree on all bifurcations.  If the command is interrupted, run it again: it resumes.
     """
     from lapjoint.campaigns.branches.table import read_branches
-    from lapjoint.campaigns.confirm.running import ConfirmJob
+    from lapjoint.campaigns.confirm.job import ConfirmJob
     from lapjoint.campaigns.confirm.spec import confirm_spec
-    from lapjoint.campaigns.running import solve_job
     from lapjoint.cli import arguments
     from lapjoint.cli.confirm_printing import all_agree, print_confirmed
     from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", work.out, ".nc")
     spec = confirm_spec(read_branches(branches), solver.name, solver.numerics, share, seed)
-    found = found_or_stored(spec, "confirm", "this confirmation", partial(solve_job, ConfirmJob(spec)), work)
+    found = found_or_stored(ConfirmJob(spec), "confirm", "this confirmation", work)
     print_confirmed(found)
     click.get_current_context().exit(0 if all_agree(found) else 1)

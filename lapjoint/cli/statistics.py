@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.completing import FILE
@@ -48,8 +46,7 @@ def statistics(
 
     If a command with --out is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns.running import solve_job
-    from lapjoint.campaigns.statistics.running import StatisticsJob
+    from lapjoint.campaigns.statistics.job import StatisticsJob
     from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments, printing, statistics_printing
     from lapjoint.cli.finding import found_or_stored
@@ -69,7 +66,7 @@ def statistics(
         settle,
         rate,
     )
-    found = found_or_stored(plan, "statistics", "these statistics", partial(solve_job, StatisticsJob(plan)), work)
+    found = found_or_stored(StatisticsJob(plan), "statistics", "these statistics", work)
     statistics_printing.print_statistics(found, this)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -73,7 +72,9 @@ def sweep(
 
     If the command is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns import Grid, Plan, solve
+    from lapjoint.campaigns.grid import Grid
+    from lapjoint.campaigns.sweep.job import SweepJob
+    from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments, printing
     from lapjoint.cli.finding import found_or_stored
 
@@ -82,7 +83,7 @@ def sweep(
     this = arguments.problem_from(problem, overrides)
     further = () if summary is None else arguments.names_from(summary)
     plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
-    found = found_or_stored(plan, "sweep", "this sweep", partial(solve, plan), work)
+    found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 

@@ -29,7 +29,7 @@ from lapjoint import (
 )
 from lapjoint.answers import SectionPoint
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.arcs import Arcs, Chain, ContactSequence, HasArcs
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY

@@ -13,7 +13,7 @@ import analytic
 import fe_lapjoint
 from analytic.period_map import PeriodMap as PeriodMapOfModes
 from lapjoint import FREE, BaseMotion, InputError, NoDamping, Problem, SineLoad, paper_joint
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.resolution import ParameterRange

@@ -6,7 +6,7 @@ import numpy as np
 from population import BASE, BEAM, response_of
 
 from lapjoint import BaseMotion, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.branches.starts import without_contact
 from lapjoint.orbits.branches.tracing import Limits, Traced, trace
