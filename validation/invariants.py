@@ -99,14 +99,13 @@ def energy(history: History, t: FloatArray) -> FloatArray:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
-    for stop in problem.stops:
-        beyond = np.maximum(stop.sign * history.displacement(stop.x, t)[0] - stop.gap, 0.0)
-        total = total + stop.stiffness / 2 * beyond**2
+    for stop, depth in zip(problem.stops, history.penetration(t), strict=True):
+        total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
     return np.asarray(total)
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia and loads less viscous dissipation.
+    """Power of base inertia, of loads and of stops fixed in space, less viscous dissipation.
 
     Parameters
     ----------
@@ -125,6 +124,7 @@ def power(history: History, t: FloatArray) -> FloatArray:
     total = np.zeros(t.size)
     for force in problem.forces.every:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
+    total -= (history.contact_force(t) * history.base_of_stops(t, 1)).sum(axis=0)
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total
@@ -283,20 +283,18 @@ def gaps(history: History, tolerance: float) -> Criterion:
     Returns
     -------
     Criterion
-        The depth over the largest displacement at the stops.
+        The depth over the largest displacement that the stops see.
     """
     problem = history.problem
     if not problem.stops:
         return Criterion("gaps", "1", 0.0, 0.0, tolerance, "there are no stops")
     worst, size = 0.0, 1e-300
     breaks = np.unique([history.start, *history.switch_times, history.end])
-    x = np.array([stop.x for stop in problem.stops])
     for a, b in itertools.pairwise(breaks):
         t = np.linspace(a, b, 42)[1:-1]
-        state, z = history.state_at((a + b) / 2), history.displacement(x, t)
-        size = max(size, float(np.abs(z).max()))
-        for k, stop in enumerate(problem.stops):
-            beyond = stop.sign * z[k] - stop.gap
+        state = history.state_at((a + b) / 2)
+        size = max(size, float(np.abs(history.seen_by_stops(t)).max()))
+        for k, beyond in enumerate(history.penetration(t)):
             worst = max(worst, float(np.max(-beyond if k in state else beyond)))
     return Criterion("gap violated", "1", worst / size, 0.0, tolerance, "truncation at switches; event times")
 

@@ -13,7 +13,7 @@ import numpy as np
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
-from analytic.march.quadrature import mass_weighted
+from analytic.march.quadrature import projected
 from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
@@ -33,11 +33,8 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    q, v = (
-        np.sum([weighted @ values for weighted, values in mass_weighted(problem, modes, shape)], axis=0)
-        for shape in (problem.initial.displacement_at, problem.initial.velocity_at)
-    )
-    return q, v
+    initial = problem.initial
+    return projected(problem, modes, initial.displacement_at), projected(problem, modes, initial.velocity_at)
 
 
 def started(joint: Joint) -> Coordinates:
@@ -122,7 +119,7 @@ def _settle(
             z += flat.residual[u, 1 + h] * sizes[1 + h] * math.sin(phase[h])
         for i in range(begin.shape[1]):
             z += flat.weight[u, i] * begin[0, i]
-        pressed[k] = sign[k] * z > (gap[k] * (1 - TOUCHING) if flat.closed[k] else gap[k])
+        pressed[k] = sign[k] * z > (gap[k] - TOUCHING * abs(gap[k]) if flat.closed[k] else gap[k])
         if pressed[k] != flat.closed[k]:
             status = _ANOTHER
     return status

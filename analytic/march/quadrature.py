@@ -49,3 +49,9 @@ def mass_weighted(
             if lumped:
                 parts.append((lumped * modes.shapes(at, derivative), shape(at, derivative)))
     return parts
+
+
+def projected(problem: Problem, modes: NormalModes, shape: Callable[..., FloatArray]) -> FloatArray:
+    """Inner products of modes with `shape`, weighted with the mass, kg^1/2 times its unit, shape ``(N,)``."""
+    parts = [weighted @ values for weighted, values in mass_weighted(problem, modes, shape)]
+    return np.asarray(np.sum(parts, axis=0))

@@ -228,9 +228,5 @@ def _refuse_what_was_not_published(problem: Problem) -> None:
         if value:
             raise InputError(f"{field}: the published scheme knows none; allowed are {allowed}")
     for i, stop in enumerate(problem.stops):
-        if stop.gap < 0:
-            raise InputError(
-                f"stops[{i}].gap = {stop.gap:g}: the published scheme knows no interference; allowed is 0 or more"
-            )
-        if stop.fixed_to != "base":
-            raise InputError(f'stops[{i}].fixed_to = "{stop.fixed_to}": the published scheme allows only "base"')
+        if stop.in_space:
+            raise InputError(f'stops[{i}].fixed_to = "space": the published scheme knows stops that move with the base')

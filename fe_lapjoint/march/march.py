@@ -317,7 +317,7 @@ def _advance_by_library(
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`, and (q, q') at its end."""
     coordinates = integrate(model, state, t, end, y)
-    gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
+    gaps = SolutionGaps(model.system(state), coordinates, t, end, model.orientation(state), model.offset(state))
     time, stop = math.inf, -1
     if model.sign.size:
         time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding), previous.switch == t)
@@ -347,7 +347,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         edges = np.linspace(piece.start, piece.end, 17)
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = system.stops @ piece.coordinates(t, 0) @ w
+        area = (system.stops @ piece.coordinates(t, 0) + system.seen_motion(t)) @ w
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
@@ -363,8 +363,8 @@ def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
     orientation, offset = model.orientation(piece.state), model.offset(piece.state)
     if piece.flow is not None:
         return FlowGaps(piece.flow, orientation, offset, (piece.end - piece.start) / SAMPLES)
-    stops = model.system(piece.state).stops
-    return SolutionGaps(stops, piece.coordinates, piece.start, piece.end, orientation, offset)
+    system = model.system(piece.state)
+    return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
 
 
 def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end: bool) -> Contact:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
@@ -61,7 +62,7 @@ MOST_STATES = 4096
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     """Every set of stops that can be closed together, fewest first.
 
-    Stops at one position can be closed together only if they are on the same side.
+    Opposite stops at one position can be closed together only if their gaps overlap: if the sum of both is below 0.
 
     Parameters
     ----------
@@ -78,35 +79,39 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     InputError
         If there are more than `MOST_STATES` of them.
     """
-    at: dict[float, dict[str, list[int]]] = {}
-    for i, stop in enumerate(problem.stops):
-        at.setdefault(stop.x, {}).setdefault(stop.side, []).append(i)
-    choices: list[list[tuple[int, ...]]] = []
-    for x in sorted(at):
-        subsets: set[tuple[int, ...]] = {()}
-        for here in at[x].values():
-            # Stops on one side close in the order of their gaps; those with equal gaps close together.
-            for gap in {problem.stops[i].gap for i in here}:
-                subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
-        choices.append(sorted(subsets, key=lambda c: (len(c), c)))
+    choices = [sorted(closed_together(problem, here), key=lambda c: (len(c), c)) for here in places(problem)]
     digits = sum(math.log10(len(subsets)) for subsets in choices)
     if digits > math.log10(MOST_STATES) + 1e-9:
         number = str(math.prod(map(len, choices))) if digits < 18 else f"some 10^{digits:.0f}"
         raise InputError(f"stops: these have {number} contact states; at most {MOST_STATES} can be listed")
-    states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
+    states = {
+        ContactState(tuple(i for part in combination for i in part)) for combination in itertools.product(*choices)
+    }
     return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))
 
 
 def can_be_closed(problem: Problem, state: ContactState) -> bool:
     """Whether the stops of a state can be closed while all others are open; `contact_states` lists such states."""
-    reached: dict[tuple[float, str], float] = {}
-    for i in state.closed:
-        stop = problem.stops[i]
-        reached[stop.x, stop.side] = max(stop.gap, reached.get((stop.x, stop.side), 0.0))
-    if len({x for x, _ in reached}) < len(reached):
-        return False
-    within = (i for i, stop in enumerate(problem.stops) if stop.gap <= reached.get((stop.x, stop.side), -1.0))
-    return tuple(within) == state.closed
+    here = places(problem)
+    return all(tuple(i for i in stops if i in state) in closed_together(problem, stops) for stops in here)
+
+
+def places(problem: Problem) -> list[list[int]]:
+    """The stops of each place (`Stop.place`), from the root to the tip: one displacement decides which are closed."""
+    at: dict[tuple[float, bool], list[int]] = {}
+    for i, stop in enumerate(problem.stops):
+        at.setdefault(stop.place, []).append(i)
+    return [at[place] for place in sorted(at)]
+
+
+def closed_together(problem: Problem, here: Sequence[int]) -> set[tuple[int, ...]]:
+    """The sets of stops of one place, of indices `here`, that some displacement there closes."""
+    edges = sorted({problem.stops[i].sign * problem.stops[i].gap for i in here})
+    between = [(a + b) / 2 for a, b in itertools.pairwise(edges)]
+    beyond = [-math.inf, math.inf]
+    return {
+        tuple(i for i in here if problem.stops[i].sign * z > problem.stops[i].gap) for z in (*beyond, *between, *edges)
+    }
 
 
 # The paper's Table 1, by (place, side) of the closed stops; Table 4 gives the order of states 6 to 9.

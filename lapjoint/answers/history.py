@@ -73,6 +73,13 @@ class Field(Protocol):
         """
 
 
+def penetration_of(problem: Problem, seen: FloatArray) -> FloatArray:
+    """Penetration of each stop, m, (stops, m), by the displacement that its gap sees, m, (stops, m)."""
+    sign = np.array([stop.sign for stop in problem.stops])[:, None]
+    gap = np.array([stop.gap for stop in problem.stops])[:, None]
+    return np.asarray(sign * seen - gap)
+
+
 @dataclass(frozen=True)
 class History(Shown):
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
@@ -214,16 +221,64 @@ class History(Shown):
         FloatArray, shape (stops, m)
             Forces, N, positive upwards; zero where a stop is open.
         """
-        stops = self.problem.stops
+        sign_and_k = np.array([stop.sign * stop.stiffness for stop in self.problem.stops])[:, None]
+        return np.asarray(-sign_and_k * np.maximum(self.penetration(t), 0.0))
+
+    def penetration(self, t: FloatArray | float) -> FloatArray:
+        """Penetration of each stop: how far the beam is beyond the stop's gap.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            Penetrations, m; where a stop is open, minus the distance to it.
+        """
+        return penetration_of(self.problem, self.seen_by_stops(t))
+
+    def seen_by_stops(self, t: FloatArray | float, dt: int = 0) -> FloatArray:
+        """What the gap of each stop sees: z there, and z + y where the stop is fixed in space.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            m s^-dt.
+        """
         t_ = np.atleast_1d(np.asarray(t, dtype=float))
-        if not stops:
+        if not self.problem.stops:
             return np.zeros((0, t_.size))
-        z = self.displacement(np.array([stop.x for stop in stops]), t_)
-        sign = np.array([[stop.sign] for stop in stops])
-        k = np.array([[stop.stiffness] for stop in stops])
-        gap = np.array([[stop.gap] for stop in stops])
-        force: FloatArray = -sign * k * np.maximum(sign * z - gap, 0.0)
-        return force
+        x, row = np.unique([stop.x for stop in self.problem.stops], return_inverse=True)
+        return self.evaluate(x, t_, dt=dt)[row] + self.base_of_stops(t_, dt)
+
+    def base_of_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The motion of the base that the gap of each stop sees: y(t) where the stop is fixed in space, else 0.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            m s^-dt.
+        """
+        in_space = np.array([stop.in_space for stop in self.problem.stops])
+        if not in_space.any():
+            return np.zeros((in_space.size, t.size))
+        return np.outer(in_space, self.base(t, dt))
 
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
         """Impulse of each stop, summed over the contacts that start in ``[start, end)``.

@@ -172,10 +172,15 @@ def _print_nearest(history: History) -> None:
     stops = history.problem.stops
     t = np.linspace(history.start, history.end, _TIMES)
     sides = np.array([stop.sign for stop in stops])[:, None]
-    reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
-    percent = 100 * np.maximum(reach, 0.0) / np.maximum([stop.gap for stop in stops], np.finfo(float).tiny)
-    nearest = int(percent.round(6).argmax())  # the first of stops that differ by rounding alone
+    reach = (sides * history.seen_by_stops(t)).max(axis=1)
+    gaps = np.array([stop.gap for stop in stops])
     names, _ = stop_column(history.problem)
+    if gaps.min() < 0:  # a distance, because nothing can be a percentage of an interference
+        nearest = int((gaps - reach).argmin())
+        echo(f"Nearest to a stop: {names[nearest]}, at a distance of {(gaps - reach)[nearest]:.3g} m")
+        return
+    percent = 100 * np.maximum(reach, 0.0) / np.maximum(gaps, np.finfo(float).tiny)
+    nearest = int(percent.round(6).argmax())  # the first of stops that differ by rounding alone
     echo(f"Nearest to a stop: {names[nearest]}, {percent[nearest]:.3g} % of its gap of {stops[nearest].gap:g} m")
 
 

@@ -76,13 +76,16 @@ def plot_motion(
     positions = _positions(history.problem, x)
     t = times_drawn(history, samples)
     axes = new_axes() if axes is None else axes
-    z = 1e3 * history.displacement(np.array(positions), t)
+    z, moved = 1e3 * history.displacement(np.array(positions), t), history.base_of_stops(t)
     for i, place in enumerate(positions):
         pattern = STYLES[i % len(STYLES)]
         name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
         axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
-        for gap in {stop.sign * stop.gap for stop in history.problem.stops if stop.x == place}:
+        here = [(k, stop) for k, stop in enumerate(history.problem.stops) if stop.x == place]
+        for gap in {stop.sign * stop.gap for _, stop in here if not stop.in_space}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
+        for face in (stop.sign * stop.gap - moved[k] for k, stop in here if stop.in_space):
+            axes.plot(t, 1e3 * face, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)), label="_face")
     _shade_contacts(axes, history, positions, t, z)
     _draw_strips(axes, history, positions)
     draw_time(axes, history.start, history.end)
@@ -106,10 +109,11 @@ def _colour(i: int) -> str:
 
 def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
     """Shade the area between gap and curve while the stop is closed; `z` is in mm, shape ``(positions, m)``."""
+    moved = history.base_of_stops(t)
     for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
         closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
         if stop.x in positions and closed.any():
-            row, gap = positions.index(stop.x), 1e3 * stop.sign * stop.gap
+            row, gap = positions.index(stop.x), 1e3 * (stop.sign * stop.gap - moved[i])
             shade = axes.fill_between(
                 t, z[row], gap, where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
             )

@@ -64,8 +64,8 @@ def plot_phase_portrait(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     width = line_width(history)
-    still = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
-    (orbit,) = axes.plot(z, v, linewidth=width, marker=still, label=label or f"x = {place:g} m")
+    marker = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
+    (orbit,) = axes.plot(z, v, linewidth=width, marker=marker, label=label or f"x = {place:g} m")
     here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
@@ -81,7 +81,8 @@ def plot_phase_portrait(
             solid_capstyle="butt",
             label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
         )
-    for gap in {history.problem.stops[i].sign * history.problem.stops[i].gap for i in here}:
+    still = [history.problem.stops[i] for i in here if not history.problem.stops[i].in_space]
+    for gap in {stop.sign * stop.gap for stop in still}:
         axes.axvline(1e3 * gap, color=GREY, linewidth=THIN, zorder=1)
     entitle(axes, heading(history) if label is None else "")
     return axes

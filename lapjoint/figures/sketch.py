@@ -1,4 +1,4 @@
-"""The sketch of a joint: beam, supports, stops behind their gaps, and the excitation.  Only x is to scale."""
+"""The sketch of a joint: beam, supports, masses, stops behind their gaps, and all loads.  Only x is to scale."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ if TYPE_CHECKING:
 HEIGHT = 2.5
 """Height of the figure, inches."""
 _WIDE, _LEFT = 10.0, 1.4  # length of the beam on the page, and the room on its left, in units of the sketch
-_HALF = 0.13  # half the beam's depth
+_HALF = 0.13  # half the beam's depth, of a stepped beam where its bending stiffness is largest
+_THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of the largest
+_MASS = 0.3  # half the side of a mass
+_ALONG = 0.55  # height of the arrows of a uniform load above the beam
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
 _BELOW = -2.45  # where the line of positions stands
 _NAME_SHOWN = 14  # characters
@@ -108,18 +111,41 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
         _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0]),
         _WIDE / problem.beam.length,
     )
-    axes.fill_between([0.0, _WIDE], -_HALF, _HALF, color=_BEAM, linewidth=0)
-    page.take(0.0, _WIDE, -_HALF, _HALF)
+    _draw_beam(page, problem, scale)
     for support in problem.supports:
         under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.stops)
         _draw_support(page, support, support.x * scale, -0.42 if under else 0.0)
     for stop in problem.stops:
-        _draw_stop(page, stop, stop.x * scale)
+        _draw_stop(page, stop, stop.x * scale, _half_depth(problem, float(problem.beam.EI_at(np.array([stop.x]))[0])))
+    for mass in problem.masses:
+        _draw_mass(page, mass.x * scale)
     _draw_drive(page, problem, scale)
+    _draw_static_loads(page, problem, scale)
     _draw_positions(page, problem, scale)
     _name_stops(page, problem, scale)
+    _name_masses(page, problem, scale)
     _say_supports(page, problem, scale)
     return axes
+
+
+def _draw_beam(page: _Page, problem: Problem, scale: float) -> None:
+    """The beam, piece by piece."""
+    for piece in problem.beam.pieces:
+        half = _half_depth(problem, piece.EI)
+        page.axes.fill_between([piece.start * scale, piece.end * scale], -half, half, color=_BEAM, linewidth=0)
+    page.take(0.0, _WIDE, -_HALF, _HALF)
+
+
+def _half_depth(problem: Problem, EI: float) -> float:
+    """Half the depth of a piece of bending stiffness `EI`, N m2: depths go with its fourth root, as round bars' do."""
+    stiffest = max(piece.EI for piece in problem.beam.pieces)
+    return _HALF * max(math.sqrt(math.sqrt(EI / stiffest)), _THINNEST)
+
+
+def _draw_mass(page: _Page, x: float) -> None:
+    """A square block about the axis of the beam."""
+    page.axes.fill([x - _MASS, x + _MASS, x + _MASS, x - _MASS], [-_MASS, -_MASS, _MASS, _MASS], color=GREY, zorder=3)
+    page.take(x - _MASS, x + _MASS, -_MASS, _MASS)
 
 
 def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None:
@@ -144,10 +170,10 @@ def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None
         page.take(x - 0.32, x + 0.32, 0.13, 0.77)
 
 
-def _draw_stop(page: _Page, stop: Stop, x: float) -> None:
-    """A plate behind its gap, a spring, and the ground."""
+def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
+    """A plate behind its gap from the `surface` of the beam, a spring, and the ground."""
     up = float(stop.sign)
-    face = up * (_HALF + (_GAP if stop.gap else 0.0))
+    face = up * (surface + (_GAP if stop.gap > 0 else 0.0))
     page.line([x - 0.16, x + 0.16], [face, face], _STOP, 1.8)
     page.spring(x, face, face + up * _SPRING, _STOP)
     page.ground(x, face + up * _SPRING, up)
@@ -157,12 +183,27 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
     """Names with numbers beside the stops, names alone where there is no room for numbers, and how many there are."""
     for stop, name in zip(problem.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
-        numbers = (_number("gap", stop.gap, "m"), _number("k", stop.stiffness, "N/m"))
-        place = stop.x * scale + 0.36, stop.sign * 1.0
-        if not page.say(*place, "\n".join((short, *numbers)), _STOP):
-            page.say(*place, short, _STOP)
+        gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
+        numbers = (gap, _number("k", stop.stiffness, "N/m"), *(("fixed in space",) * (stop.fixed_to == "space")))
+        x, y, text = stop.x * scale, stop.sign * 1.0, "\n".join((short, *numbers))
+        _ = (
+            page.say(x + 0.36, y, text, _STOP)
+            or page.say(x - 0.36, y, text, _STOP, "right")
+            or page.say(x + 0.36, y, short, _STOP)
+        )
     if len(problem.stops) > 1:
         page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
+
+
+def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
+    """Names, masses and rotary inertias beside the masses, where there is room."""
+    for mass in problem.masses:
+        lines = [cut_to(literal(mass.name), _NAME_SHOWN)] if mass.name else []
+        lines.append(_number("m", mass.mass, "kg"))
+        if mass.rotary_inertia:
+            lines.append(_number("J", mass.rotary_inertia, "kg m2"))
+        text, x, y = "\n".join(lines), mass.x * scale, _MASS + 0.1 + len(lines) * _LINE / 2
+        _ = page.say(x, y, text, GREY, "center") or page.say(x, -y, text, GREY, "center")
 
 
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
@@ -190,6 +231,22 @@ def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
         page.say(x - 0.12, max(tip, tail, key=abs), text, _DRIVE, "right")
 
 
+def _draw_static_loads(page: _Page, problem: Problem, scale: float) -> None:
+    """Gravity as an arrow at the right, and uniform loads as rows of arrows."""
+    if problem.gravity is not None and problem.gravity.acceleration:
+        x, up = _WIDE + 1.2, math.copysign(1.0, problem.gravity.acceleration)
+        page.arrow(x, up * 0.45, -up * 0.45, "->")
+        page.say(x, 0.75, f"{abs(problem.gravity.acceleration):g} m/s2", _DRIVE, "center")
+    for load in problem.uniform_loads:
+        start, end = load.start * scale, (problem.beam.length if load.to is None else load.to) * scale
+        far, near = _HALF + _ALONG, _HALF
+        tip, tail = (near, far) if load.force_per_length < 0 else (far, near)
+        for x in np.linspace(start, end, max(2, round((end - start) / 0.5) + 1)):
+            page.arrow(float(x), tip, tail, "->")
+        page.line([start, end], [far, far], _DRIVE, 0.8)
+        page.say((start + end) / 2, far + _LINE / 2 + 0.05, f"{load.force_per_length:g} N/m", _DRIVE, "center")
+
+
 def _said_of_base(problem: Problem) -> str:
     """How the base moves, in a line or two."""
     base = problem.base_motion
@@ -205,10 +262,11 @@ def _said_of_base(problem: Problem) -> str:
 def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
     """A line with a tick and a number at every position."""
     supports, stops = ([it.x for it in problem.supports], [it.x for it in problem.stops])
+    other = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
     page.say(_WIDE, _BELOW - 0.42, f"{problem.beam.length:g}", GREY, "center")
     page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
-    for place in sorted({0.0, problem.beam.length, *supports, *stops}):
+    for place in sorted({0.0, problem.beam.length, *supports, *stops, *other}):
         page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
         if place != problem.beam.length:
             page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")

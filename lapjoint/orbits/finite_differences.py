@@ -87,11 +87,8 @@ def _switches(history: History) -> list[tuple[float, int]]:
 
 
 def _at_stops(history: History, times: FloatArray) -> FloatArray:
-    """Displacements at the P stops, m, shape ``(P, m)``, at times from the start of a history, s, shape ``(m,)``."""
-    stops = history.problem.stops
-    if not stops:
-        return np.zeros((0, times.size))
-    return history.displacement(np.array([stop.x for stop in stops]), np.minimum(history.start + times, history.end))
+    """What the gaps of the P stops see, m, ``(P, m)``, at times from the start of a history, s, ``(m,)``."""
+    return history.seen_by_stops(np.minimum(history.start + times, history.end))
 
 
 def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
@@ -103,7 +100,7 @@ def _segments(history: History, times: FloatArray, switched: FloatArray, moves: 
     """
     stops = history.problem.stops
     z = _at_stops(history, times)
-    speed = history.velocity(np.array([stop.x for stop in stops]), history.start + times[:-1]) if stops else z[:, :-1]
+    speed = history.seen_by_stops(history.start + times[:-1], 1)
     none = np.zeros(0, dtype=complex)
     segments = []
     for j, width in enumerate(np.diff(times)):

@@ -31,7 +31,10 @@ class Retunes(Protocol):
 
 @dataclass(frozen=True)
 class ExcitationChange:
-    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter."""
+    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter.
+
+    The motions of stops fixed in space, `Problem.moved_stops`, follow the harmonic forces and count among them.
+    """
 
     frequency: float
     """Derivative of the logarithm of all angular frequencies."""
@@ -49,19 +52,21 @@ def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
     if forces.sampled or problem.excitation_frequency is None:
         return None
     of_base = np.array([force.of_base for force in forces.harmonic], dtype=float)
+    moved = len(problem.moved_stops)
     if field == FREQUENCY:
         value = base.angular_frequency if isinstance(base, _PERIODIC) else problem.excitation_frequency
-        return change_with(FREQUENCY, value, of_base)
+        return change_with(FREQUENCY, value, of_base, moved)
     if field == AMPLITUDE and isinstance(base, BaseMotion) and base.amplitude > 0:
-        return change_with(AMPLITUDE, base.amplitude, of_base)
+        return change_with(AMPLITUDE, base.amplitude, of_base, moved)
     return None
 
 
-def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChange:
+def change_with(field: str, value: float, of_base: FloatArray, moved: int) -> ExcitationChange:
     """How ``H`` harmonic forces change with `FREQUENCY` or `AMPLITUDE`, which has a `value`, in its SI unit.
 
     `of_base`, (H,), is 1 for each force that the motion of the base causes, which goes with the square of the
-    frequency; else 0.
+    frequency; else 0.  `moved` is the number of waves by which stops fixed in space move: their sizes are amplitudes.
     """
-    sizes = 2 * of_base if field == FREQUENCY else of_base
+    of_force, of_stops = (2.0, 0.0) if field == FREQUENCY else (1.0, 1.0)
+    sizes = np.concatenate([of_force * of_base, np.full(moved, of_stops)])
     return ExcitationChange(1 / value if field == FREQUENCY else 0.0, sizes / value)

@@ -103,10 +103,11 @@ class Watch(Protocol):
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
     """Stops as compiled functions take them, with the twin of each where the motion continues mirrored; places
     ascend."""
+    places = sorted({stop.place for stop in stops})
     return Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
         gap=np.array([stop.gap for stop in stops], dtype=float),
-        place=np.unique([stop.x for stop in stops], return_inverse=True)[1],
+        place=np.array([places.index(stop.place) for stop in stops], dtype=np.intp),
         beyond=np.arange(len(stops)) if twins is None else np.array(twins, dtype=np.intp),
     )
 

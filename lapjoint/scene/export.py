@@ -77,7 +77,8 @@ def export_motion(
         Largest error of straight lines between two times, relative to the largest value, as
         `lapjoint.scene.frame_times.chosen_times` explains.
     points : int
-        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+        Number of equidistant stations along the beam, at least 2; the positions of supports, stops, masses and
+        steps are added.
     large : bool
         Whether the files may have more than `MOST_BYTES` in all, or be more than `MOST_FILES`.
     say : callable, optional
@@ -132,7 +133,8 @@ def export_modes(
     format : {"pvd", "vtkhdf", "xdmf"}
         Format of the files; the head of this module compares them.
     points : int
-        Number of equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+        Number of equidistant stations along the beam, at least 2; the positions of supports, stops, masses and
+        steps are added.
 
     Returns
     -------

@@ -80,9 +80,10 @@ def drawing_of(
             springs.append(_springs(*values["stops"], layout, s, carried, _acting(history, times, step)))
             if len(springs) == 1 or springs[-1].names != springs[0].names:
                 words += _stop_words(springs[-1], layout)
-        if "base" in values:
-            part, carries = values["base"]
-            plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
+        for rigid in ("base", "masses"):
+            if rigid in values:
+                part, carries = values[rigid]
+                plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
         if len(histories) > 1:
             root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.problem.beam.length, layout.offset, 0.0]
             words.append(Word(cut_to(name, LONGEST_NAME), root, "right"))
@@ -111,7 +112,7 @@ def drawing_of(
 
 
 def _colour(look: Look, histories: Sequence[History]) -> Colour:
-    sections = all(history.problem.beam.section for history in histories)
+    sections = all(piece.section for history in histories for piece in history.problem.beam.pieces)
     if look.colour == "stress" and not sections:
         raise InputError("colour = 'stress': the beam has no section; allowed are velocity, moment, displacement")
     return look.colour or ("stress" if sections else "moment")

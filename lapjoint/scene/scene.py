@@ -107,7 +107,8 @@ class Scene:
 def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> Scene:
     """The scene of a history, or of several by short names, as in ``{"analytic": a, "fe": b}``, side by side along -y.
 
-    There are `points` equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+    There are `points` equidistant stations along the beam, at least 2; the positions of supports, stops, masses and
+    steps are added.
     """
     named = {"motion": motion} if isinstance(motion, History) else dict(motion)
     for name in named:
@@ -130,7 +131,8 @@ def histories_of(motion: History | Mapping[str, History]) -> list[History]:
 def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
     """The scene of the modes of one contact state, which follow one another at the times 1, 2, 3 and so on.
 
-    There are `points` equidistant stations along the beam, at least 2; the positions of supports and stops are added.
+    There are `points` equidistant stations along the beam, at least 2; the positions of supports, stops, masses and
+    steps are added.
     """
     scene = Scene((("modes", ModeSeries(problem, modes)),), points)
     _ = scene.layouts

@@ -152,12 +152,11 @@ class Collector:
         contacts, stops = history.contacts, history.problem.stops
         if not contacts:
             return np.zeros(0)
-        x, row = np.unique([stop.x for stop in stops], return_inverse=True)
         starts, which = np.array([c.start for c in contacts]), np.array([c.stop for c in contacts])
         parts = np.split(starts, range(AT_ONCE, starts.size, AT_ONCE))
-        velocity = np.concatenate([history.velocity(x, part) for part in parts], axis=1)
+        velocity = np.concatenate([history.seen_by_stops(part, 1) for part in parts], axis=1)
         signs = np.array([stop.sign for stop in stops])
-        return np.asarray(np.maximum(signs[which] * velocity[row[which], np.arange(starts.size)], 0.0))
+        return np.asarray(np.maximum(signs[which] * velocity[which, np.arange(starts.size)], 0.0))
 
     def _add(self, done: list[tuple[Contact, float, bool]]) -> None:
         """Add whole contacts, with their impact speeds, and whether an end of the motion cuts them."""

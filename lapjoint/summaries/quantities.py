@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.answers.history import History
+from lapjoint.answers.history import History, penetration_of
 from lapjoint.answers.quantities import QUANTITIES, Quantity, checked_quantities
 from lapjoint.answers.series import places_of
 from lapjoint.problem import FloatArray, Problem
@@ -60,14 +60,11 @@ class Selection:
         return tuple(one.factor(self.problem, self.x) for one in self.quantities)
 
     @cached_property
-    def _stops(self) -> tuple[IndexArray, FloatArray, FloatArray, FloatArray]:
-        """Of the stops: where in `x` they are, shape ``(S,)``; sign, gap, m, and stiffness, N/m, ``(S, 1)`` each."""
+    def _stops(self) -> tuple[IndexArray, FloatArray]:
+        """Of the stops: where in `x` they are, shape ``(S,)``; sign times stiffness, N/m, ``(S, 1)``."""
         stops = self.problem.stops
-        columns = (
-            np.array([[getattr(stop, name)] for stop in stops], dtype=float).reshape(-1, 1)
-            for name in ("sign", "gap", "stiffness")
-        )
-        return np.searchsorted(self.x, [stop.x for stop in stops]), *columns  # type: ignore[return-value]
+        signed = np.array([[stop.sign * stop.stiffness] for stop in stops], dtype=float).reshape(-1, 1)
+        return np.searchsorted(self.x, [stop.x for stop in stops]), signed
 
     def values(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The quantities at all places, (Q, X, m), and the stops' forces, N, upwards, (S, m), at times, s, (m,)."""
@@ -77,8 +74,9 @@ class Selection:
             np.multiply(found[one.dx, one.dt], factor, out=row)
             if one.absolute:
                 row += history.base(t, one.dt)
-        at, sign, gap, stiffness = self._stops
-        return result, -sign * stiffness * np.maximum(sign * found[0, 0][at] - gap, 0.0)
+        at, signed = self._stops
+        seen = found[0, 0][at] + history.base_of_stops(t)
+        return result, -signed * np.maximum(penetration_of(self.problem, seen), 0.0)
 
 
 def keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:

@@ -163,7 +163,7 @@ class BasinPlan:
         """Ranges of the plane's coordinates: from minus to plus `_WIDE` times base amplitude plus gap, m, and this
         times the frequency, m/s."""
         problem = self.problem
-        gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
+        gaps = [abs(stop.gap) for stop in problem.stops if stop.gap]
         base = problem.base_motion
         size = (float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length) + float(getattr(base, "amplitude", 0.0))
         omega = problem.require_excitation_frequency("basins")

@@ -12,7 +12,20 @@ import numpy as np
 import pytest
 from written_history import with_section
 
-from lapjoint import FREE, Circle, ContactState, History, InputError, Rectangle, Tube, paper_joint
+from lapjoint import (
+    FREE,
+    Beam,
+    BeamSegment,
+    Circle,
+    ContactState,
+    History,
+    InputError,
+    Mass,
+    Material,
+    Rectangle,
+    Tube,
+    paper_joint,
+)
 from lapjoint.answers import Modes
 from lapjoint.errors import OutputError
 from lapjoint.problem.beam import Section
@@ -446,3 +459,44 @@ def test_motions_without_a_time_in_common_are_refused(history: History, tmp_path
     later = replace(history, start=2.0, end=3.0)
     with pytest.raises(InputError, match="no time in common"):
         export_motion({"one": history, "two": later}, tmp_path)
+
+
+@pytest.fixture
+def stepped(history: History) -> History:
+    """The motion of a beam of two sections, with a mass at the tip."""
+    segments = (
+        BeamSegment(to=0.4, section=Rectangle(breadth=0.05, height=0.04)),
+        BeamSegment(to=1.0, section=Rectangle(breadth=0.05, height=DEPTH)),
+    )
+    beam = Beam(length=1.0, material=Material(youngs_modulus=2e11, density=7800.0), segments=segments)
+    return replace(history, problem=history.problem.replace(beam=beam, masses=(Mass(x=1.0, mass=2.0),)))
+
+
+def test_a_stepped_solid_has_the_section_of_each_piece_and_carries_its_moment(stepped: History) -> None:
+    from lapjoint.scene.pvd import grid_of
+
+    scene = motion_scene(stepped, points=5)
+    (at,) = [i for i, (name, _) in enumerate(scene.parts) if name == "solid"]
+    grid = grid_of(scene.parts[at][1])
+    volume = 0.05 * (0.4 * 0.04 + 0.6 * DEPTH)
+    assert grid.compute_cell_sizes()["Volume"].sum() == pytest.approx(volume, rel=1e-12)
+    stress, moment = (
+        scene.block(np.array([0.25])).values[at].point["bending_stress"][0],
+        stepped.moment(0.4, 0.25)[0, 0],
+    )
+    for depth in (0.04, DEPTH):
+        top = np.isclose(grid.points[:, 0], 0.4) & np.isclose(grid.points[:, 2], depth / 2)
+        assert top.sum() == 2
+        np.testing.assert_allclose(-stress[top] * 0.05 * depth**2 / 6, moment, rtol=1e-12)
+    np.testing.assert_allclose(stepped.bending_stress(0.4, 0.25), -moment / (0.05 * DEPTH**2 / 6), rtol=1e-12)
+
+
+def test_a_mass_moves_and_turns_with_the_beam_and_keeps_its_shape(stepped: History) -> None:
+    scene = motion_scene(stepped, points=5)
+    (at,) = [i for i, (name, _) in enumerate(scene.parts) if name == "masses"]
+    rest, moved = scene.parts[at][1].points, scene.block(np.array([0.3])).values[at].point["displacement"][0]
+    centre = moved.mean(axis=0)
+    np.testing.assert_allclose(centre, [0.0, 0.0, stepped.displacement(1.0, 0.3)[0, 0]], atol=1e-15)
+    slope = stepped.slope(1.0, 0.3)[0, 0]
+    turned = np.column_stack([-slope * rest[:, 2], np.zeros(len(rest)), slope * (rest[:, 0] - 1.0)])
+    np.testing.assert_allclose(moved - centre, turned, atol=1e-15)
