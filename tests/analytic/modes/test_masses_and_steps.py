@@ -70,7 +70,7 @@ def test_frequencies_agree_with_fifty_digits_and_none_is_missed(seed: int) -> No
 @pytest.mark.parametrize("start", range(1000, 3000, 100))
 def test_frequencies_of_many_beams_agree_with_fifty_digits(start: int) -> None:
     for seed in range(start, start + 100):
-        assert_frequencies(seed, [0, 1, 3, 1 + seed % (MODES - 1)])
+        assert_frequencies(seed, [seed % 3, 3 + seed % (MODES - 3)])
 
 
 @pytest.mark.parametrize("seed", range(100, 110))
