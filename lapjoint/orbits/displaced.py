@@ -110,11 +110,16 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 def check_held(problem: Problem, what: str) -> None:
     """Refuse a problem whose supports leave a motion as a rigid body free; `what` needs a joint that is held."""
-    L = problem.beam.length
-    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
-    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
-    if not rows or np.linalg.matrix_rank(np.array(rows), tol=_HELD) < 2:
+    if free_motions(problem):
         raise InputError(
             f"{what}: without contact the supports leave the beam free to move as a rigid body, so that a force has no "
             "static shape and no energy bounds its motion"
         )
+
+
+def free_motions(problem: Problem) -> int:
+    """Number of motions as a rigid body, 0 to 2, that the supports leave free."""
+    L = problem.beam.length
+    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
+    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
+    return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2

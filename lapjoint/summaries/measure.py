@@ -11,6 +11,7 @@ import numpy as np
 from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
+from lapjoint.orbits.displaced import free_motions
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.solver import Progress, Solver, Streams
 from lapjoint.summaries.collector import Collector
@@ -128,7 +129,7 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     slower.
     """
     omega = _lowest_modes(problem, solver)
-    damping, bends = problem.damping, omega > 1e-6 * omega.max()
+    damping, bends = problem.damping, np.arange(omega.size) >= free_motions(problem)
     if isinstance(damping, ModalDamping):
         rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):
