@@ -34,13 +34,13 @@ An initial state other than the straight beam at rest also requires that the mod
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from analytic.march.initial_state import initial_coordinates
+from analytic.march.loads import MOVED_STOPS
 from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
@@ -123,7 +123,7 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
     """See `_Criterion.sudden`."""
     forces, usual = problem.forces, problem.forces.usual_rate
     constant = [(f.shape, f.force) for f in forces.constant] + (
-        _presses(problem.stops) if isinstance(problem.initial, AtRest) else []
+        _presses(problem) if isinstance(problem.initial, AtRest) else []
     )
     loads: list[tuple[LoadShape, float, float, float]] = [(shape, 0.0, f, abs(f)) for shape, f in constant]
     loads += [(f.shape, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
@@ -137,9 +137,14 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
     return tuple(found)
 
 
-def _presses(stops: Sequence[Stop]) -> list[tuple[LoadShape, float]]:
-    """Where stops press the straight beam, and their forces on it, N, positive upwards."""
-    return [(LoadShape.at(stop.x), stop.sign * stop.stiffness * stop.gap) for stop in stops if stop.gap < 0]
+def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
+    """Where stops press the straight beam at t = 0, and their forces on it, N, positive upwards."""
+    base, found = sum(wave.amplitude * math.sin(wave.phase) for wave in problem.moved_stops), []
+    for stop in problem.stops:
+        depth = stop.sign * base * stop.in_space - stop.gap
+        if depth > 0:
+            found.append((LoadShape.at(stop.x), -stop.sign * stop.stiffness * depth))
+    return found
 
 
 def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
@@ -147,7 +152,7 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.place == stop.place and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
-    if opposite and len(waves) == 1 and not problem.point_loads:
+    if opposite and len(waves) == 1 and not problem.point_loads and not stop.in_space:
         room = max(stop.gap + min(opposite), 0.0)  # none where the gaps overlap
         c = min(c, 2 * math.sqrt(room / 2 / waves[0]))
     return 4 * c * ringing * stop.stiffness / (problem.beam.m * problem.beam.length)
@@ -204,6 +209,7 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
     problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
+    pressed = [LoadShape.at(stop.x) for stop in problem.stops if stop.gap < 0 or stop.in_space]
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
     return _ModalSums(
@@ -212,7 +218,8 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
         starts={
             x: (_sudden_answer(both[0], x), _sudden_answer(both[-1], x))
-            for x in (*(f.shape for f in constant), *(shape for shape, _ in _presses(problem.stops)), *loaded.positions)
+            for x in (*(f.shape for f in constant), *pressed, *loaded.positions)
+            if x != MOVED_STOPS
         },
     )
 

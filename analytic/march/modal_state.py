@@ -28,7 +28,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from analytic.march.loads import Positions, unit_loads
+from analytic.march.loads import MOVED_STOPS, Positions, unit_loads
 from analytic.march.oscillator import damping_rates
 from analytic.modes.beam_functions import gram, integral
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
@@ -50,7 +50,7 @@ class LoadedStructure:
     problem: Problem
     """The problem with only the constant part of its loads."""
     positions: Positions
-    """Positions of the ``H`` harmonic loads, and then of the sampled loads."""
+    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads."""
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
@@ -114,8 +114,8 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     positions of the problem's loads.
     """
     if positions is None:
-        forces = problem.forces
-        positions = tuple(it.shape for it in forces.harmonic) + tuple(it.shape for it in forces.sampled)
+        forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
+        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled))
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
     return _loaded_structure(problem.structure, steps, positions)
 

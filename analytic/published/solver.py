@@ -160,6 +160,7 @@ class PublishedScheme:
         from analytic.published.joint import PublishedJoint
         from analytic.published.march import march_published
 
+        _check_stops(problem)
         joint = PublishedJoint(problem, self.free_modes, self.contact_modes)
         begin = started(joint, None)
         motion = march_published(joint, begin, float(duration), shortest=self.shortest, progress=progress)
@@ -206,6 +207,7 @@ class PublishedScheme:
             If the march cannot go on.
         """
         problem.require_excitation_frequency("steady state")
+        _check_stops(problem)
         from analytic.published import steady
 
         how_long = steady.Patience(
@@ -213,3 +215,10 @@ class PublishedScheme:
         )
         counts = self.free_modes, self.contact_modes
         return steady.steady_state(problem, self.name, counts, how_long, start, progress)
+
+
+def _check_stops(problem: Problem) -> None:
+    """Refuse stops fixed in space, which the scheme does not have."""
+    for i, stop in enumerate(problem.stops):
+        if stop.in_space:
+            raise InputError(f'stops[{i}].fixed_to = "space": the published scheme knows stops that move with the base')

@@ -9,7 +9,8 @@ import pytest
 from beams import CLAMP, UNIT
 
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, Stop, Support
+from fe_lapjoint.march.march import window_of
+from lapjoint import FREE, BaseMotion, Beam, ModalDamping, PolynomialShape, Problem, Stop, Support
 from lapjoint.orbits.displaced import energy_roots, plane_directions
 from lapjoint.problem import BeamSegment, Gravity, Mass, UniformLoad
 from lapjoint.problem.plane import Plane
@@ -147,3 +148,30 @@ def test_a_mass_on_a_spring_swings_as_an_oscillator() -> None:
         problem = Problem(beam=UNIT, supports=supports, masses=(Mass(x=1.0, mass=mass, rotary_inertia=turning),))
         omega = fe_lapjoint.Solver(elements=10).modes(problem, count=1).angular_frequencies[0]
         assert omega == pytest.approx(math.sqrt(1e-2 / (mass + turning + 1 / 3)), rel=1e-3)
+
+
+@pytest.mark.parametrize("mass", [1e2, 1e6, 1e10])
+def test_a_heavy_mass_leaves_the_windows_of_the_search_as_short(mass: float) -> None:
+    """Beside it the beam rattles as fast as before; on soft springs all swings slowly, with the mass or without."""
+    soft = tuple(Support(x=x, translational=1e-4) for x in (0.0, 1.0))
+    for supports, least in (((CLAMP,), 0.9), (soft, 0.5)):
+        bare = Problem(beam=UNIT, supports=supports)
+        heavy = bare.replace(masses=(Mass(x=0.4, mass=mass),))
+        one, other = (
+            window_of(fe_lapjoint.answers._model(fe_lapjoint.Solver(elements=8), it), FREE) for it in (bare, heavy)
+        )
+        assert least * one < other < 2 * one
+
+
+def test_a_beam_that_rattles_between_heavy_masses_is_no_crowd() -> None:
+    """Contacts in thousands within one swing of a mass of 1e8 beams, under modal damping, are not taken for sliding."""
+    problem = Problem(
+        beam=UNIT,
+        supports=(CLAMP,),
+        masses=(Mass(x=1.0, mass=1e8),),
+        stops=(Stop(x=0.5, side="top", gap=1e-5, stiffness=50.0), Stop(x=0.5, side="bottom", gap=1e-5, stiffness=50.0)),
+        damping=ModalDamping(ratio=1e-4),
+        initial=PolynomialShape(velocity=(0.0, 0.0, 1.0, -1.0)),
+    )
+    history = fe_lapjoint.Solver(elements=4).simulate(problem, 300.0, errors=False)
+    assert len(history.contacts) > 1600

@@ -43,7 +43,7 @@ ANALYTIC = (
         "analytic:excitation_of",
         "The inertia load of the moving base is a thousandth too large.",
         old="wave.amplitude",
-        new="(1.001 if wave.x is None else 1.0) * wave.amplitude",
+        new="(1.001 if getattr(wave, 'of_base', False) else 1.0) * wave.amplitude",
     ),
     Fault(
         "analytic-sine-load-sign",
