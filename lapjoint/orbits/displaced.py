@@ -25,8 +25,6 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
-_HELD = 1e-9
-"""Least stiffness against a rigid-body motion of unit size with which supports hold this motion."""
 _IMMOVABLE = 1e-12
 """Compliance at a place, in units of L^3 / EI, below which a support holds the place; rounding of the shapes is
 smaller."""
@@ -110,16 +108,8 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 def check_held(problem: Problem, what: str) -> None:
     """Refuse a problem whose supports leave a rigid-body motion free; `what` names the purpose in the message."""
-    if free_motions(problem):
+    if problem.structure.free_motions:
         raise InputError(
             f"{what}: without contact the supports leave the beam free to move as a rigid body, so that a force has no "
             "static shape and no energy bounds its motion"
         )
-
-
-def free_motions(problem: Problem) -> int:
-    """Number of motions as a rigid body, 0 to 2, that the supports leave free."""
-    L = problem.beam.length
-    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
-    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
-    return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2

@@ -11,7 +11,6 @@ import numpy as np
 from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
 from lapjoint.errors import InputError
-from lapjoint.orbits.displaced import free_motions
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.solver import Progress, Solver, Streams
 from lapjoint.summaries.collector import Collector
@@ -129,7 +128,7 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     ratio.
     """
     omega = _lowest_modes(problem, solver)
-    damping, bends = problem.damping, np.arange(omega.size) >= free_motions(problem)
+    damping, bends = problem.damping, np.arange(omega.size) >= problem.structure.free_motions
     if isinstance(damping, ModalDamping):
         rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):
