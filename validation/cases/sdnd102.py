@@ -20,7 +20,7 @@ from validation.references.mass_beside_wall import MassBesideWall
 from validation.references.reading import group
 from validation.verdict import Check, Criterion, Estimate, Kind
 
-QUANTITIES = {"impact": "s", "rebound": "s", "impulse": "N s", "peak force": "N"}
+QUANTITIES = {"impact": "s", "rebound": "s", "impulse": "N s", "peak force": "N", "force half way": "N"}
 """Unit of each number of a contact."""
 DURATION = 1.0  # s, as in the document
 SOFT = 1e10
@@ -55,16 +55,19 @@ def beam(mass: MassBesideWall, bending_stiffness: float) -> Problem:
 
 
 def answers(solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, count: int) -> np.ndarray:
-    """The numbers of the first `count` contacts by a solver, in the order of QUANTITIES, shape (4 count,)."""
-    contacts = solver.simulate(problem, DURATION, errors=False).contacts[:count]
-    return np.array([(c.start, c.end, c.impulse, c.peak_force) for c in contacts]).ravel()
+    """The numbers of the first `count` contacts by a solver, in the order of QUANTITIES, shape (5 count,)."""
+    history = solver.simulate(problem, DURATION, errors=False)
+    contacts = history.contacts[:count]
+    middles = -history.contact_force(np.array([(c.start + c.end) / 2 for c in contacts]))[0]
+    numbers = [(c.start, c.end, c.impulse, c.peak_force, f) for c, f in zip(contacts, middles, strict=True)]
+    return np.array(numbers).ravel()
 
 
 def run(level: Level, say: Say) -> CaseResult:
     """Both solvers against the closed form."""
     mass = as_published()
     hits = mass.hits(DURATION)
-    exact = np.array([(hit.start, hit.end, hit.impulse, hit.peak) for hit in hits]).ravel()
+    exact = np.array([(hit.start, hit.end, hit.impulse, hit.peak, hit.middle) for hit in hits]).ravel()
     kinds, units = list(QUANTITIES) * len(hits), list(QUANTITIES.values()) * len(hits)
     checks, found = [], {}
     for solver in SOLVERS:

@@ -31,6 +31,8 @@ class Hit:
     """N s."""
     peak: float
     """N."""
+    middle: float
+    """Force half way from start to end, N."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,8 @@ class MassBesideWall:
             if length is None:
                 return found
             if pressed:
-                found.append(Hit(t, t + length, *stretch.impulse_and_peak(length)))
+                middle = self.wall * stretch.depth(length / 2)
+                found.append(Hit(t, t + length, *stretch.impulse_and_peak(length), middle))
             (z, v), t, pressed = stretch.at(length), t + length, not pressed
 
 

@@ -15,7 +15,7 @@ from validation.verdict import Verdict
 def test_both_solvers_give_every_contact_as_the_closed_form_does() -> None:
     result = sdnd102.run("quick", lambda _: None)
     assert result.verdict is Verdict.AGREE
-    assert len(result.checks) == 2 * 4 * 10
+    assert len(result.checks) == 2 * 5 * 10
 
 
 def test_the_closed_form_is_what_small_steps_give() -> None:
