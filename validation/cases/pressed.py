@@ -69,9 +69,11 @@ class Pressed:
 
 
 def answers(solver: analytic.Solver | fe_lapjoint.Solver, of: Pressed, bending_stiffness: float) -> tuple[float, ...]:
-    """The numbers of QUANTITIES by a solver, on a beam of bending stiffness EI, N m2."""
+    """The numbers of QUANTITIES by a solver, on a beam of bending stiffness EI, N m2; NaN without two contacts."""
     exact = of.answers
     history = solver.simulate(of.beam(bending_stiffness), 1.2 * exact[3], errors=False)
+    if len(history.contacts) < 2:
+        return (math.nan,) * len(QUANTITIES)
     first, second = history.contacts[:2]
     farthest = (first.end + second.start) / 2
     pull = -of.stiffness * float(history.displacement(0.5, farthest)[0, 0])

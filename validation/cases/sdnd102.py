@@ -55,12 +55,15 @@ def beam(mass: MassBesideWall, bending_stiffness: float) -> Problem:
 
 
 def answers(solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, count: int) -> np.ndarray:
-    """The numbers of the first `count` contacts by a solver, in the order of QUANTITIES, shape (5 count,)."""
+    """The numbers of the first `count` contacts by a solver, in the order of QUANTITIES, shape (5 count,); NaN of
+    contacts that are missing."""
     history = solver.simulate(problem, DURATION, errors=False)
     contacts = history.contacts[:count]
-    middles = -history.contact_force(np.array([(c.start + c.end) / 2 for c in contacts]))[0]
-    numbers = [(c.start, c.end, c.impulse, c.peak_force, f) for c, f in zip(contacts, middles, strict=True)]
-    return np.array(numbers).ravel()
+    middles = -history.contact_force(np.array([(c.start + c.end) / 2 for c in contacts], dtype=float))[0]
+    numbers = np.full((count, len(QUANTITIES)), np.nan)
+    for row, c, middle in zip(numbers, contacts, middles, strict=False):
+        row[:] = c.start, c.end, c.impulse, c.peak_force, middle
+    return numbers.ravel()
 
 
 def run(level: Level, say: Say) -> CaseResult:
