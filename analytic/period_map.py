@@ -164,7 +164,7 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point found with other numbers of modes, or other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        stops = range(self.joint.stops)
+        stops = range(len(self.joint.loaded.problem.stops))
         if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
         coordinates = np.asarray(point.coordinates)
@@ -218,7 +218,8 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
-        return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
+        factors = np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops])
+        return factors * (penetration[..., self.joint.force_rows] if self.joint.damped else penetration)
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions, size = start, [], 0.0

@@ -41,7 +41,8 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
 def started(joint: Joint) -> Coordinates:
     """The coordinates of the initial state, in the contact state at t = 0."""
     state, held = starting_state(joint)
-    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes), held)
+    q, v = initial_coordinates(joint.problem, joint.modal(state).modes)
+    return Coordinates(state, *joint.from_modes(state, q, v, 0.0), held)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
@@ -142,6 +143,11 @@ def carried_over(
     `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are the coordinates of one motion or of many.  The part of the motion outside
     the span of the modes of `new` is left out.
     """
+    if joint.damped:
+        whole, load = joint.whole_passage(old, new)
+        y = np.concatenate([q, v], axis=-1) @ whole.T + load[0].real
+        y = y + (np.exp(1j * joint.harmonics.theta(0.0)) @ load[1:]).imag
+        return y[..., : joint.count(new)], y[..., joint.count(new) :]
     passage, theta, omega = joint.passage(old, new), joint.harmonics.theta(0.0), joint.harmonics.omega
     left_out = np.concatenate([[1.0], np.sin(theta)]) @ passage.residual
     moving = (omega * np.cos(theta)) @ passage.residual[1:]

@@ -147,7 +147,8 @@ def follow(
         if leaves:
             break
     for k in range(stops):
-        area[k] = max(area[k], 0.0)
+        if not tables.asleep[slot, k]:  # a stop that may pull has a force of either sign
+            area[k] = max(area[k], 0.0)
     if ramps is None:
         wait = min(shortest, end - base) - s
         if which != NO_SWITCH and wait > 0:

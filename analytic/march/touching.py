@@ -55,7 +55,19 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
         held += decided
         touching = [k for k in touching if k not in decided]
         order += 1
-    return ContactState(tuple(closed)), tuple(held)
+    return ContactState(tuple(closed), _pulling(problem, closed)), tuple(held)
+
+
+def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
+    """The closed damped stops whose spring and damper would pull at t = 0, although they may not."""
+    found = []
+    for k in closed:
+        stop, x = problem.stops[k], np.array(problem.stops[k].x)
+        depth = stop.sign * float(problem.initial.displacement_at(x)) - stop.gap
+        rate = stop.sign * float(problem.initial.velocity_at(x))
+        if stop.damping > 0 and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
+            found.append(k)
+    return tuple(found)
 
 
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
