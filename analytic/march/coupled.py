@@ -31,7 +31,7 @@ import scipy.linalg
 
 from analytic.march.loads import Harmonics
 from analytic.march.modal_state import ModalState
-from analytic.march.oscillator import OSCILLATING, SPLIT, forced_answer, kinds_of, static_answer
+from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
@@ -217,8 +217,7 @@ def write_coupled(
     tables.static[slot, :n] = static_answer(it.push[0].real, natural, rate)
     tables.push[slot, :, :n] = it.push
     for h, omega in enumerate(tables.omega.tolist()):
-        for i in range(n):
-            tables.harmonic[slot, h, i] = forced_answer(it.push[1 + h, i], natural[i], rate[i], omega)
+        tables.harmonic[slot, h, :n] = it.push[1 + h] / (it.stiffness - omega**2 + 1j * omega * it.damping)
     stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
     plain = stops.size - damped_rows(problem).size
     turning = np.concatenate([[0.0], 1j * tables.omega])
