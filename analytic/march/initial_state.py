@@ -53,6 +53,8 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
     it has too many are left out.  The contact state is the one that the gaps of this joint imply.  `InputError` is
     raised where a value is not finite.
     """
+    if joint.damped:
+        return _resumed_damped(joint, state, np.asarray(values, dtype=float))
     flat, tables = joint.flat(state), joint.tables
     begin, pressed = np.empty((2, flat.kind.size)), np.empty(flat.closed.size, dtype=np.bool_)
     status = _settle(
@@ -73,6 +75,39 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
     if status == _AS_IT_WAS:
         return SectionPoint(state, begin)
     there = ContactState(tuple(np.flatnonzero(pressed).tolist()))
+    now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
+    return SectionPoint(there, np.array((now.q, now.v)))
+
+
+def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
+    """`resumed` of a joint with damped stops; a closed damped stop presses where its force does not pull."""
+    if not np.isfinite(values).all():
+        raise InputError("start: has coordinates that are not finite")
+    slot, n, theta = joint.slot(state), joint.count(state), joint.harmonics.theta(0.0)
+    tables, m = joint.tables, min(joint.count(state), values.shape[1])
+    waves, omega = np.exp(1j * theta), joint.harmonics.omega
+    begin = np.array(
+        [
+            tables.static[slot, :n, 0] + (waves @ tables.harmonic[slot, :, :n]).imag,
+            tables.static[slot, :n, 1] + ((1j * omega * waves) @ tables.harmonic[slot, :, :n]).imag,
+        ]
+    )
+    begin[:, :m] = values[:, :m]
+    modal, (q, v) = joint.modal(state), joint.in_modes(state, begin[0], begin[1], 0.0)
+    left_out = modal.residual_at_stops * joint.sizes[:, None]
+    z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
+    rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]
+    closed, released = [], []
+    for k, stop in enumerate(joint.loaded.problem.stops):
+        depth, near = stop.sign * z[k] - stop.gap, TOUCHING * abs(stop.gap)
+        if depth > (-near if k in state else 0.0):
+            closed.append(k)
+            force = depth + stop.damping / stop.stiffness * stop.sign * rate[k]
+            if stop.damping > 0 and not stop.may_pull and force < (near if k in state.released else -near):
+                released.append(k)
+    there = ContactState(tuple(closed), tuple(released))
+    if there == state:
+        return SectionPoint(state, begin)
     now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
     return SectionPoint(there, np.array((now.q, now.v)))
 

@@ -200,6 +200,15 @@ class Joint:
         y[q.size :] += it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
         return y[: q.size], y[q.size :]
 
+    def in_modes(self, state: ContactState, P: FloatArray, V: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+        """The inverse of `from_modes`."""
+        it = self.coupled(state)
+        if it is None:
+            return P, V
+        lag = it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
+        y = it.to @ np.concatenate([P, V - lag])
+        return y[: P.size], y[P.size :]
+
     def flat(self, state: ContactState) -> FlatState:
         """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)

@@ -91,7 +91,9 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
             rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-15, events=functions, max_step=_STEP * 6 / fastest
         )
         t, y = float(found.t[-1]), found.y[:, -1]
-        q, v, totals = y[:n], y[n : 2 * n], y[2 * n :].reshape(2, P)
+        q, v, before, totals = y[:n], y[n : 2 * n], totals, y[2 * n :].reshape(2, P)
+        # just after a touch, few modes may give a force that pulls; impulses take what a segment comes to, if it presses
+        totals[0] = before[0] + np.where(pulls, totals[0] - before[0], np.maximum(totals[0] - before[0], 0.0))
         hit = [j for j, at in enumerate(found.t_events) if at.size]
         if not hit:
             break
