@@ -73,7 +73,7 @@ def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[F
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
-    """Kinetic, bending and spring energy of a motion.
+    """Kinetic, bending and spring energy of a motion, but for springs of damped stops.
 
     Parameters
     ----------
@@ -100,13 +100,15 @@ def energy(history: History, t: FloatArray) -> FloatArray:
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
     for stop in problem.stops:
+        if stop.damping > 0:
+            continue  # what it takes and gives back is in `power`
         beyond = np.maximum(stop.sign * history.displacement(stop.x, t)[0] - stop.gap, 0.0)
         total = total + stop.stiffness / 2 * beyond**2
     return np.asarray(total)
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia and loads less viscous dissipation.
+    """Power of base inertia, loads and damped stops less viscous dissipation.
 
     Parameters
     ----------
@@ -127,6 +129,10 @@ def power(history: History, t: FloatArray) -> FloatArray:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
+    damped = [k for k, stop in enumerate(problem.stops) if stop.damping > 0]
+    if damped:
+        at = np.array([problem.stops[k].x for k in damped])
+        total += (history.contact_force(t)[damped] * history.velocity(at, t)).sum(axis=0)
     return total
 
 

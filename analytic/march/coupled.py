@@ -72,7 +72,9 @@ class Coupled:
     @property
     def stiffness(self) -> FloatArray:
         """Squared frequencies, 1/s2, shape ``(N,)``."""
-        return np.asarray(np.where(self.roots.imag[:, 0] > 0, np.abs(self.roots[:, 0]) ** 2, self.roots.prod(axis=1).real))
+        return np.asarray(
+            np.where(self.roots.imag[:, 0] > 0, np.abs(self.roots[:, 0]) ** 2, self.roots.prod(axis=1).real)
+        )
 
 
 def damped_rows(problem: Problem) -> IntArray:
@@ -127,7 +129,9 @@ def _beside(one: FloatArray, other: FloatArray) -> FloatArray:
     return np.asarray(whole[np.ix_(order, order)])
 
 
-def _of_stiff(D: FloatArray, K: FloatArray, scale: FloatArray, zeros: int) -> tuple[ComplexArray, FloatArray, FloatArray]:
+def _of_stiff(
+    D: FloatArray, K: FloatArray, scale: FloatArray, zeros: int
+) -> tuple[ComplexArray, FloatArray, FloatArray]:
     """`oscillators` of a matrix K, of which `zeros` eigenvalues are 0."""
     n = scale.size
     A = np.block([[np.zeros((n, n)), np.diag(scale)], [-K / scale, -D]])
@@ -146,7 +150,9 @@ def _of_stiff(D: FloatArray, K: FloatArray, scale: FloatArray, zeros: int) -> tu
         one, other = (V[:, k].real / np.linalg.norm(V[:n, k].real / scale) for k in (i, j))
         other = other if one[:n] @ (other[:n] / scale**2) >= 0 else -other
         first, second = w[i].real, w[j].real
-        columns.append((w[i], w[j], (first * other - second * one) / (first - second), (one - other) / (first - second)))
+        columns.append(
+            (w[i], w[j], (first * other - second * one) / (first - second), (one - other) / (first - second))
+        )
     columns.sort(key=lambda it: abs(it[0] * it[1]))
     roots = np.array([it[:2] for it in columns])
     size = np.maximum(np.sqrt(np.abs(roots.prod(axis=1))), np.abs(roots).max(axis=1))

@@ -37,6 +37,7 @@ from analytic.march.tables import (
 from analytic.modes.beam_functions import ComplexArray
 from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import InputError
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
@@ -93,6 +94,12 @@ class Joint:
         self.damped = any(stop.damping > 0 for stop in self.loaded.problem.stops)
         """Whether a stop is damped."""
         self._coupled: dict[ContactState, Coupled] = {}
+        if self.damped and self.sampled:
+            k = next(k for k, stop in enumerate(self.loaded.problem.stops) if stop.damping > 0)
+            raise InputError(
+                f"stops[{k}].damping = {self.loaded.problem.stops[k].damping:g}: the analytic solver takes damped stops "
+                "with harmonic and constant forces, and not with records or random motion"
+            )
         self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}
         self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
@@ -239,7 +246,7 @@ class Joint:
         """Write the switch of a stop from the state in a slot, and the reverse switch, to the tables."""
         self._own()
         old = self._states[slot]
-        new = old.toggled(self._index(stop))
+        new = old.toggled(self.index_of(stop))
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
             self._grow(self.tables.modes.size, with_spare(row))
@@ -250,7 +257,7 @@ class Joint:
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
 
-    def _index(self, row: int) -> int:
+    def index_of(self, row: int) -> int:
         """The index of `ContactState.toggled` of a switch of a row of the tables."""
         owner = int(self.tables.owner[row]) if self.damped else -1
         return row if owner < 0 else ~owner

@@ -164,7 +164,9 @@ def saltation(
     _write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
     if tables.owner.size > 0:
-        _saltation_of_coupled(tables, old, new, row, tables.position[k], late, work.level[k], rate, theta, now, then, work)
+        _saltation_of_coupled(
+            tables, old, new, row, tables.position[k], late, work.level[k], rate, theta, now, then, work
+        )
         return
     S = tables.carry[row][:n_new]
     for c in range(m):

@@ -17,18 +17,18 @@ NO_ERRORS = "no errors were estimated"
 
 @dataclass(frozen=True)
 class Contact:
-    """One contact of one stop, from impact to rebound."""
+    """One contact of one stop, from impact to rebound; of a damped stop, the time in which its force acts."""
 
     stop: int
     """Index into ``problem.stops``."""
     start: float
     """Time of impact, s; the start of the history if `open_start`."""
     end: float
-    """Time of rebound, s; the end of the history if `open_end`."""
+    """Time of rebound, or of the end of a damped stop's force, s; the end of the history if `open_end`."""
     impulse: float
-    """Time integral of the stop's spring force magnitude, N s, with the sign of the side: top positive."""
+    """Time integral of the stop's force, N s, with the sign of the side: top positive."""
     peak_force: float
-    """Largest spring force magnitude, N."""
+    """Largest force with which the stop presses, N."""
     open_start: bool = False
     """Whether the contact was already closed when the history starts."""
     open_end: bool = False
@@ -39,6 +39,9 @@ class Contact:
     """Estimate of the numerical error of `impulse`, N s; infinite or None as `start_error`."""
     peak_force_error: float | None = None
     """Estimate of the numerical error of `peak_force`, N; infinite or None as `start_error`."""
+    dissipated: float = 0.0
+    """Energy that a damped stop takes from the beam and keeps, J: the integral of its force times the rate of its
+    penetration.  What its spring stores when the force ends is lost with it; a stop without damping gives all back."""
 
     @property
     def duration(self) -> float:
@@ -212,17 +215,24 @@ class History(Shown):
         Returns
         -------
         FloatArray, shape (stops, m)
-            Forces, N, positive upwards; zero where a stop is open.
+            Forces, N, positive upwards; zero where a stop is open, and where a damped stop would pull but may not.
         """
         stops = self.problem.stops
         t_ = np.atleast_1d(np.asarray(t, dtype=float))
         if not stops:
             return np.zeros((0, t_.size))
-        z = self.displacement(np.array([stop.x for stop in stops]), t_)
+        x = np.array([stop.x for stop in stops])
+        z = self.displacement(x, t_)
         sign = np.array([[stop.sign] for stop in stops])
         k = np.array([[stop.stiffness] for stop in stops])
         gap = np.array([[stop.gap] for stop in stops])
         force: FloatArray = -sign * k * np.maximum(sign * z - gap, 0.0)
+        for i, stop in enumerate(stops):
+            if stop.damping > 0:
+                d, rate = stop.sign * z[i] - stop.gap, stop.sign * self.velocity(stop.x, t_)[0]
+                pressed = stop.stiffness * d + stop.damping * rate
+                acts = (d > 0) & ((pressed > 0) | stop.may_pull)
+                force[i] = np.where(acts, -stop.sign * pressed, 0.0)
         return force
 
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:

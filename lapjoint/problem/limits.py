@@ -30,6 +30,9 @@ _STIFFEST = 1e13
 """Largest stiffness of a stop, divided by EI / L^3: too few digits are left for the compression of a stiffer stop."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
+_MOST_IN_STOP = 1e4
+"""Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
+stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
 _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
@@ -45,6 +48,7 @@ def faults_of_size(
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
+        yield from _stated(f"stops[{i}].damping", stop.damping, "N s/m")
     yield from _of_places(joint, excitation)
     yield from _of_stiffness(joint)
     yield from _of_damping(joint)
@@ -127,6 +131,12 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
             yield (
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
                 f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
+            )
+        critical = math.sqrt(joint.beam.m) * (math.sqrt(EI) / L + math.sqrt(stop.stiffness * L))
+        if stop.damping > _MOST_IN_STOP * critical:
+            yield (
+                f"stops[{i}].damping = {stop.damping:g}: must be at most {_MOST_IN_STOP:g} times sqrt(EI m) / length + "
+                f"sqrt(stiffness m length), which is {_MOST_IN_STOP * critical:.2g} N s/m"
             )
 
 

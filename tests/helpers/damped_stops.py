@@ -6,6 +6,7 @@ on the modes here: no mode is coupled, no oscillator is formed, and the switches
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +14,10 @@ from scipy.integrate import solve_ivp
 
 from analytic.march.joint import Joint
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
 
-_STEP = 0.05  # longest step, as a fraction of the time in which the fastest mode turns by 1 rad times 2 pi
+_TURN = 0.3  # most that the fastest mode turns in a step, rad, so that no event is stepped over
+_SOON = 1e-9  # s: by which a stop is looked at again that truncation left beyond its switch
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,44 @@ class Witnessed:
     """N s, shape ``(P,)``."""
     dissipated: FloatArray
     """Energy lost in each stop, J, shape ``(P,)``."""
+
+
+def random_damped_joint(rng: np.random.Generator) -> Problem:
+    """A cantilever with one to four stops, of which most are damped and some may pull."""
+    stops = []
+    for _ in range(int(rng.integers(1, 5))):
+        k, ratio = float(10 ** rng.uniform(1, 3.5)), 10 ** rng.uniform(-2, 1)
+        stops.append(
+            {
+                "damping": float(ratio * np.sqrt(k)) if rng.random() < 0.8 else 0.0,
+                "stiffness": k,
+                "x": float(rng.uniform(0.3, 1)),
+                "side": str(rng.choice(["top", "bottom"])),
+                "gap": float(rng.uniform(0.005, 0.05)),
+                "may_pull": bool(rng.random() < 0.3),
+            }
+        )
+    modal = {"kind": "modal", "ratio": float(rng.uniform(0, 0.1))}
+    viscous = {"kind": "viscous", "coefficient": float(rng.uniform(0, 1))}
+    return Problem.model_validate(
+        {
+            "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
+            "supports": [{"x": 0.0, "translational": math.inf, "torsional": math.inf}],
+            "stops": stops,
+            "damping": modal if rng.random() < 0.5 else viscous,
+            "base_motion": {
+                "kind": "sine",
+                "amplitude": float(10 ** rng.uniform(-1.5, -0.5)),
+                "angular_frequency": float(rng.uniform(2, 12)),
+            },
+            "point_loads": [{"kind": "step", "x": 0.7, "force": float(rng.normal() * 0.05)}],
+            "initial": {
+                "kind": "polynomial",
+                "displacement": [0, 0, float(rng.normal() * 0.02)],
+                "velocity": [0, 0, float(rng.normal() * 0.3)],
+            },
+        }
+    )
 
 
 def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, end: float) -> Witnessed:
@@ -66,7 +106,7 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
             )
 
         y = np.concatenate([q, v, totals.ravel()])
-        functions, toggles = [], []
+        functions, toggles, at_once = [], [], []
         for i in range(P):
             for own in (True, False):
                 if not own and not (damped[i] and closed[i] and not pulls[i]):
@@ -79,30 +119,40 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
                     return float(-value if on else value)
 
                 level = max(h(t, y), 0.0) * (1 + 1e-9)
+                index = i if own else ~i
+                if level > 0 and h(t + _SOON, y + _SOON * rates(t, y)) > h(t, y) and indices[-1:] != [index]:
+                    at_once.append(index)
 
                 def event(t: float, y: FloatArray, h=h, level: float = level) -> float:  # type: ignore[no-untyped-def]
                     return h(t, y) - level
 
                 event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
                 functions.append(event)
-                toggles.append(i if own else ~i)
-        fastest = max([natural.max(), *omega])
-        found = solve_ivp(
-            rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-15, events=functions, max_step=_STEP * 6 / fastest
-        )
-        t, y = float(found.t[-1]), found.y[:, -1]
-        q, v, before, totals = y[:n], y[n : 2 * n], totals, y[2 * n :].reshape(2, P)
-        # just after a touch, few modes may give a force that pulls; impulses take what a segment comes to, if it presses
-        totals[0] = before[0] + np.where(pulls, totals[0] - before[0], np.maximum(totals[0] - before[0], 0.0))
-        hit = [j for j, at in enumerate(found.t_events) if at.size]
-        if not hit:
-            break
-        index = toggles[hit[0]]
+                toggles.append(index)
+        if at_once:  # few modes left the stop beyond its switch, from which it moves farther
+            index = at_once[0]
+        else:
+            fastest, before = max([natural.max(), *omega]), totals
+            found = solve_ivp(
+                rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-15, events=functions, max_step=_TURN / fastest
+            )
+            t, y = float(found.t[-1]), found.y[:, -1]
+            q, v, totals = y[:n], y[n : 2 * n], y[2 * n :].reshape(2, P)
+            # with few modes a force may pull just after a touch; an impulse takes what a segment comes to, if it presses
+            pressed = np.maximum(totals[0] - before[0], 0.0)
+            totals[0] = before[0] + np.where(pulls, totals[0] - before[0], pressed)
+            hit = [j for j, at in enumerate(found.t_events) if at.size]
+            if not hit:
+                break
+            index = toggles[hit[0]]
         times.append(t)
         indices.append(index)
         after = state.toggled(index)
         if index >= 0:
-            passage, theta = joint.passage(ContactState(state.closed), ContactState(after.closed)), joint.harmonics.theta(t)
+            passage, theta = (
+                joint.passage(ContactState(state.closed), ContactState(after.closed)),
+                joint.harmonics.theta(t),
+            )
             q = passage.S @ q + passage.residual[0] + np.sin(theta) @ passage.residual[1:]
             v = passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:]
         state = after
