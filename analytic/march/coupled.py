@@ -193,9 +193,8 @@ def coupled(
             break
     roots, to, back = best
     lag, rise = f @ back[:n, n:].T, f @ back[n:, n:].T
-    made = Coupled(roots, kinds_of(roots), to, back, lag, np.zeros(0, dtype=complex))
-    push = rise + made.damping * lag + turning[:, None] * lag
-    return Coupled(roots, made.kind, to, back, lag, push)
+    push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
+    return Coupled(roots, kinds_of(roots), to, back, lag, push)
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:
@@ -236,10 +235,13 @@ def write_coupled(
         weight = reads[mode_of % n] + reads[n + mode_of] * root
         tables.weight[slot, u, :terms] = weight.real
         tables.weight[slot, u, n + split.size : terms] = weight[n + split.size :].imag
+        tables.twist[slot, u, oscillating] = weight[oscillating].imag
         tables.constant[slot, u] = still[0].real
         tables.forced[slot, u] = still[1:] + tables.harmonic[slot, :, :n] @ reads[:n]
         tables.forced[slot, u] += turning[1:] * (tables.harmonic[slot, :, :n] @ reads[n:])
+    tables.own[slot] = n + split.size
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):
         tables.closed[slot, row] = k in state and k not in state.released
         tables.asleep[slot, row] = k not in state or problem.stops[k].may_pull
+        tables.idle[slot, tables.position[row]] = tables.asleep[slot, row]

@@ -97,8 +97,8 @@ class Joint:
         if self.damped and self.sampled:
             k = next(k for k, stop in enumerate(self.loaded.problem.stops) if stop.damping > 0)
             raise InputError(
-                f"stops[{k}].damping = {self.loaded.problem.stops[k].damping:g}: the analytic solver takes damped stops "
-                "with harmonic and constant forces, and not with records or random motion"
+                f"stops[{k}].damping = {self.loaded.problem.stops[k].damping:g}: the analytic solver takes damped "
+                "stops with harmonic and constant forces, and not with records or random motion"
             )
         self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}

@@ -127,6 +127,13 @@ class Tables(NamedTuple):
     """Whether each stop is closed, shape ``(S, P)``."""
     asleep: BoolArray
     """Whether each stop may not switch in this state, shape ``(S, P)``; see `analytic.march.coupled`."""
+    idle: BoolArray
+    """Whether no row at a position may switch in this state, shape ``(S, U)``."""
+    own: IntArray
+    """Number of terms without second copies, 0 in states without copies, shape ``(S,)``; see
+    `analytic.march.coupled`."""
+    twist: FloatArray
+    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; without damped stops ``(S, 0, 0)``."""
     gradient: FloatArray
     """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
     N)``; without damped stops ``(S, 0, 2, 0)``."""
@@ -344,6 +351,9 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
         asleep=np.zeros((S, P), dtype=np.bool_),
+        idle=np.zeros((S, U), dtype=np.bool_),
+        own=np.zeros(S, dtype=np.int64),
+        twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
         push=np.zeros((S, 1 + H if damped else 0, M), dtype=complex),
         next_slot=np.full((S, P), -1, dtype=np.int64),
@@ -379,7 +389,7 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.weight[slot, :places, :terms] = flat.weight
     tables.constant[slot, :places] = flat.residual[:, 0]
     tables.closed[slot, :stops] = flat.closed
-    tables.asleep[slot, stops:] = True
+    tables.asleep[slot, stops:], tables.idle[slot, places:] = True, True
     if tables.owner.size:
         tables.gradient[slot, :places, 0, :n] = flat.weight[:, :n]
 

@@ -74,9 +74,16 @@ def start_terms(
         else:
             poly[i, 0] += x
             poly[i, 1] += y
-    for t in range(extra, tables.terms[slot]):  # the second copies of a coupled state, see `analytic.march.coupled`
-        first_copy = term[tables.mode_of[slot, t]]
-        term[t] = complex(-first_copy.imag, first_copy.real)
+    if tables.own[slot] > 0:
+        write_copies(tables, slot, term)
+
+
+@njit_inner()
+def write_copies(tables: Tables, slot: int, term: ComplexArray) -> None:
+    """Write the second copies of the terms of a coupled state, i times the first; see `analytic.march.coupled`."""
+    for t in range(tables.own[slot], tables.terms[slot]):
+        first = term[tables.mode_of[slot, t]]
+        term[t] = complex(-first.imag, first.real)
 
 
 @njit_called()
@@ -121,8 +128,8 @@ def state_from_terms(
             v[i] += tables.omega[h] * wave.real
     for t in range(terms):
         i = tables.mode_of[slot, t]
-        if t >= n and tables.kind[slot, i] == OSCILLATING:
-            break  # second copies come last
+        if t == tables.own[slot] and t > 0:
+            break  # copies come last
         q[i] += term[t].real
         v[i] += (tables.root[slot, t] * term[t]).real
 

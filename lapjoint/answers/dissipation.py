@@ -16,7 +16,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _TURN = 1.5
 """Turn of the fastest mode in one panel, rad: the integrand turns twice as far, and eight nodes give twelve digits."""
 _GROWTH = 1.5
-"""Growth of panels after a switch, from the time of the fastest decay up to `_TURN`: what decays fast is gone by then."""
+"""Growth of panels after a switch, from the time of the fastest decay up to that of `_TURN`, when it is over."""
 _AT_ONCE = 65536  # times evaluated at once, 0.5 MB for each stop
 
 
@@ -69,4 +69,4 @@ def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: flo
 
 def _towards(sign: int, history: History, x: float, t: FloatArray, dt: int) -> FloatArray:
     """Displacement at `x`, or its `dt`-th time derivative, towards a stop on the side `sign`, m s^-dt, ``(m,)``."""
-    return sign * history.evaluate(x, np.clip(t, history.start, history.end), dt=dt)[0]
+    return np.asarray(sign * history.evaluate(x, np.clip(t, history.start, history.end), dt=dt)[0])

@@ -209,10 +209,10 @@ class SegmentWatch:
         self._at_switches = np.concatenate([both.real, -both.imag], axis=3)
 
 
-def motion_at(segments: Segments, first: IndexArray, awake: BoolArray) -> Motion:
+def motion_at(segments: Segments, first: IndexArray, awake: BoolArray | None = None) -> Motion:
     """Segments as compiled functions take them, at the places of the stops with the indices `first`, shape (U,).
 
-    `awake` is that of `awake_rows`.
+    `awake` is that of `awake_rows`; by default every stop may switch.
     """
     made = Motion(
         start=segments.start,
@@ -221,6 +221,6 @@ def motion_at(segments: Segments, first: IndexArray, awake: BoolArray) -> Motion
         amplitudes=segments.amplitudes,
         weights=segments.weights[:, first],
         polynomial=segments.polynomial[:, first],
-        orientation=np.where(segments.closed, -1.0, 1.0) * awake,
+        orientation=np.where(segments.closed, -1.0, 1.0) * (1.0 if awake is None else awake),
     )
     return in_c_order(made)

@@ -7,6 +7,7 @@ from functools import lru_cache
 from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
 
+_Key = tuple[tuple[float, bool], float, float, float, bool]
 _KEPT = 64
 """Number of structures whose twins are cached: all problems of one sweep, or of one branch, mostly share one
 structure."""
@@ -25,7 +26,7 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
 @lru_cache(maxsize=_KEPT)
 def stop_twins(structure: Structure) -> tuple[int, ...] | None:
     """The twin of each stop on the other side, if both sides agree in place, gap, stiffness and damping; else None."""
-    sides: dict[str, list[tuple[tuple[tuple[float, bool], float, float, float, bool], int]]] = {"top": [], "bottom": []}
+    sides: dict[str, list[tuple[_Key, int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
         sides[stop.side].append(((stop.place, stop.gap, stop.stiffness, stop.damping, stop.may_pull), k))
     top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))

@@ -7,6 +7,7 @@ on the modes here: no mode is coupled, no oscillator is formed, and the switches
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,86 +75,93 @@ def random_damped_joint(rng: np.random.Generator) -> Problem:
     )
 
 
+class _State:
+    """The motion in one contact state: rates of (q, v, impulses, energies), and the functions that end it."""
+
+    def __init__(self, joint: Joint, state: ContactState) -> None:
+        stops = joint.problem.stops
+        modal = joint.modal(ContactState(state.closed))
+        self._joint, self._stops, self.n = joint, stops, modal.size
+        self._phi, self._load = modal.at_stops, modal.force * joint.sizes[:, None]
+        self._left_out = modal.residual_at_stops * joint.sizes[:, None]
+        self._k, self._c = (np.array([getattr(stop, name) for stop in stops]) for name in ("stiffness", "damping"))
+        self._sign, self._gap = (np.array([getattr(stop, name) for stop in stops]) for name in ("sign", "gap"))
+        self._closed = np.array([i in state for i in range(len(stops))])
+        self._acts = self._closed & np.array([i not in state.released for i in range(len(stops))])
+        self._natural, self._rate = modal.modes.omega, modal.damping_rate
+        self.pulls = np.array([stop.may_pull for stop in stops])
+        self.fastest = max([self._natural.max(), *joint.harmonics.omega])
+        force = [~i for i, stop in enumerate(stops) if stop.damping > 0 and self._closed[i] and not stop.may_pull]
+        self.indices = [*range(len(stops)), *force]
+        """What may switch, as `ContactState.toggled` takes it."""
+
+    def _depths(self, t: float, y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        theta, omega = self._joint.harmonics.theta(t), self._joint.harmonics.omega
+        z = self._phi @ y[: self.n] + self._left_out[0] + np.sin(theta) @ self._left_out[1:]
+        rate = self._phi @ y[self.n : 2 * self.n] + (omega * np.cos(theta)) @ self._left_out[1:]
+        return self._sign * z - self._gap, self._sign * rate
+
+    def rates(self, t: float, y: FloatArray) -> FloatArray:
+        """d/dt of q, v, impulses and energies lost."""
+        d, d1 = self._depths(t, y)
+        F = np.where(self._acts, self._k * d + self._c * d1, 0.0)
+        force = self._load[0] + np.sin(self._joint.harmonics.theta(t)) @ self._load[1:]
+        force = force + (self._sign * (np.where(self._closed, self._k * d, 0.0) - F)) @ self._phi
+        q, v = y[: self.n], y[self.n : 2 * self.n]
+        lost = np.where(self.pulls, F, np.maximum(F, 0.0)) * d1
+        return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
+
+    def gap_function(self, index: int, t: float, y: FloatArray) -> float:
+        """Rises through 0 where a stop, or the force of stop `~index`, switches; m."""
+        d, d1 = self._depths(t, y)
+        if index >= 0:
+            return float(-d[index] if self._closed[index] else d[index])
+        value = d[~index] + self._c[~index] / self._k[~index] * d1[~index]
+        return float(-value if self._acts[~index] else value)
+
+    def event(self, index: int, level: float) -> Callable[[float, FloatArray], float]:
+        """The gap function as an event of scipy, with truncation's `level` in place of 0."""
+
+        def event(t: float, y: FloatArray) -> float:
+            return self.gap_function(index, t, y) - level
+
+        event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
+        return event
+
+
 def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, end: float) -> Witnessed:
     """March displacements `q` and velocities `v` of the modes of `state` from the time 0 to `end`, s."""
-    problem, t, P = joint.problem, 0.0, len(joint.problem.stops)
-    stops, omega, sizes = problem.stops, joint.harmonics.omega, joint.sizes
-    k, c = (np.array([getattr(stop, name) for stop in stops]) for name in ("stiffness", "damping"))
-    sign, gap = np.array([stop.sign for stop in stops]), np.array([stop.gap for stop in stops])
-    pulls, damped = np.array([stop.may_pull for stop in stops]), c > 0
-    totals, times, indices = np.zeros((2, P)), [], []
+    t, P, times, indices = 0.0, len(joint.problem.stops), [], []
+    totals = np.zeros((2, P))
     while t < end:
-        modal = joint.modal(ContactState(state.closed))
-        n, phi, load = q.size, modal.at_stops, modal.force * sizes[:, None]
-        left_out = modal.residual_at_stops * sizes[:, None]
-        closed = np.array([i in state for i in range(P)])
-        acts = closed & np.array([i not in state.released for i in range(P)])
-        natural, rate = modal.modes.omega, modal.damping_rate
-
-        def depths(t: float, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-            theta = joint.harmonics.theta(t)
-            z = phi @ y[:n] + left_out[0] + np.sin(theta) @ left_out[1:]
-            z1 = phi @ y[n : 2 * n] + (omega * np.cos(theta)) @ left_out[1:]
-            return sign * z - gap, sign * z1
-
-        def rates(t: float, y: FloatArray) -> FloatArray:
-            d, d1 = depths(t, y)
-            F = np.where(acts, k * d + c * d1, 0.0)
-            force = load[0] + np.sin(joint.harmonics.theta(t)) @ load[1:]
-            force = force + (sign * (np.where(closed, k * d, 0.0) - F)) @ phi
-            return np.concatenate(
-                [y[n : 2 * n], force - 2 * rate * y[n : 2 * n] - natural**2 * y[:n], F, np.where(acts, F * d1, 0.0)]
-            )
-
-        y = np.concatenate([q, v, totals.ravel()])
-        functions, toggles, at_once = [], [], []
-        for i in range(P):
-            for own in (True, False):
-                if not own and not (damped[i] and closed[i] and not pulls[i]):
-                    continue
-                on = closed[i] if own else acts[i]
-
-                def h(t: float, y: FloatArray, i: int = i, own: bool = own, on: bool = on) -> float:
-                    d, d1 = depths(t, y)
-                    value = d[i] if own else d[i] + c[i] / k[i] * d1[i]
-                    return float(-value if on else value)
-
-                level = max(h(t, y), 0.0) * (1 + 1e-9)
-                index = i if own else ~i
-                if level > 0 and h(t + _SOON, y + _SOON * rates(t, y)) > h(t, y) and indices[-1:] != [index]:
-                    at_once.append(index)
-
-                def event(t: float, y: FloatArray, h=h, level: float = level) -> float:  # type: ignore[no-untyped-def]
-                    return h(t, y) - level
-
-                event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
-                functions.append(event)
-                toggles.append(index)
-        if at_once:  # few modes left the stop beyond its switch, from which it moves farther
-            index = at_once[0]
+        now, y = _State(joint, state), np.concatenate([q, v, totals.ravel()])
+        soon = t + _SOON, y + _SOON * _State(joint, state).rates(t, y)
+        level = {index: max(now.gap_function(index, t, y), 0.0) for index in now.indices}
+        # few modes may leave a stop beyond its switch, from which it moves farther
+        beyond = [i for i in now.indices if 0 < level[i] < now.gap_function(i, *soon) and indices[-1:] != [i]]
+        if beyond:
+            index = beyond[0]
         else:
-            fastest, before = max([natural.max(), *omega]), totals
-            found = solve_ivp(
-                rates, (t, end), y, method="DOP853", rtol=1e-12, atol=1e-15, events=functions, max_step=_TURN / fastest
-            )
-            t, y = float(found.t[-1]), found.y[:, -1]
-            q, v, totals = y[:n], y[n : 2 * n], y[2 * n :].reshape(2, P)
-            # with few modes a force may pull just after a touch; an impulse takes what a segment comes to, if it presses
+            events = [now.event(index, level[index] * (1 + 1e-9)) for index in now.indices]
+            options = {"rtol": 1e-12, "atol": 1e-15, "max_step": _TURN / now.fastest}
+            found = solve_ivp(now.rates, (t, end), y, method="DOP853", events=events, **options)
+            t, y, before = float(found.t[-1]), found.y[:, -1], totals
+            q, v, totals = y[: now.n], y[now.n : 2 * now.n], y[2 * now.n :].reshape(2, P)
+            # with few modes a force may pull just after a touch: an impulse takes what a segment comes to if it presses
             pressed = np.maximum(totals[0] - before[0], 0.0)
-            totals[0] = before[0] + np.where(pulls, totals[0] - before[0], pressed)
-            hit = [j for j, at in enumerate(found.t_events) if at.size]
+            totals[0] = before[0] + np.where(now.pulls, totals[0] - before[0], pressed)
+            hit = [index for index, at in zip(now.indices, found.t_events, strict=True) if at.size]
             if not hit:
                 break
-            index = toggles[hit[0]]
+            index = hit[0]
         times.append(t)
         indices.append(index)
         after = state.toggled(index)
         if index >= 0:
-            passage, theta = (
-                joint.passage(ContactState(state.closed), ContactState(after.closed)),
-                joint.harmonics.theta(t),
-            )
+            theta, omega = joint.harmonics.theta(t), joint.harmonics.omega
+            passage = joint.passage(ContactState(state.closed), ContactState(after.closed))
             q = passage.S @ q + passage.residual[0] + np.sin(theta) @ passage.residual[1:]
             v = passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:]
         state = after
+    sign = np.array([stop.sign for stop in joint.problem.stops])
     return Witnessed(np.array(times), tuple(indices), state, q, v, sign * totals[0], totals[1])
