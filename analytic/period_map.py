@@ -233,8 +233,9 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
-        factors = np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops])
-        return factors * (penetration[..., self.joint.force_rows] if self.joint.damped else penetration)
+        if self.joint.damped:
+            penetration = penetration[..., self.joint.force_rows]
+        return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions, size = start, [], 0.0

@@ -192,7 +192,7 @@ def coupled(
             best = roots, to, back
             break
     roots, to, back = best
-    lag, rise = f @ back[:n, n:].T, f @ back[n:, n:].T
+    lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
     return Coupled(roots, kinds_of(roots), to, back, lag, push)
 

@@ -17,8 +17,8 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """For each stop the index of its twin on the other side, if the problem is its own mirror image; else None.
 
     A problem is its own mirror image if all forces change sign in half a period, which excludes constant forces and
-    even harmonics, and if the stops of both sides agree in place, gap, stiffness and damping. A problem without an excitation
-    frequency has no half period, and no mirror image.
+    even harmonics, and if the stops of both sides agree in place, gap, stiffness and damping. A problem without an
+    excitation frequency has no half period, and no mirror image.
     """
     return stop_twins(problem.structure) if problem.forces.change_sign else None
 
