@@ -257,3 +257,16 @@ class History(Shown):
             if lo <= contact.start < hi:
                 total[contact.stop] += contact.impulse
         return total
+
+    def dissipated(self) -> FloatArray:
+        """Energy that each stop has taken from the beam and kept, over all contacts; 0 of stops without damping.
+
+        Returns
+        -------
+        FloatArray, shape (stops,)
+            Energies, J.
+        """
+        total = np.zeros(len(self.problem.stops))
+        for contact in self.contacts:
+            total[contact.stop] += contact.dissipated
+        return total
