@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 STRIP = 0.11
 """Height of the strip of one stop, inches: the height of its name."""
 _NAME_SIZE = 6.5
-"""Size of the stops' names, points; smaller where there are too many stops for it."""
+"""Size of the stops' names, points; it is reduced if there are too many stops."""
 _NAMES_SHARE = 0.2
 """Largest fraction of the figure's width that the names of stops take."""
 
@@ -56,12 +56,12 @@ def plot_motion(
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float or sequence of float, optional
-        Positions, m; by default those of the stops, or the tip where there are no stops.
+        Positions, m; by default the positions of the stops, or the tip if there are no stops.
     samples : int
-        Number of equidistant times.  The times of the switches are added, and further times where an excitation period
-        would have fewer than 100.
+        Least number of equidistant times; there are more if a period of the fastest excitation would have fewer than
+        100.  The times of the switches are added.
     label : str, optional
-        Name of the motion in the legend, before its positions; without it, title and solver stand above the axes.
+        Name of the motion in the legend, before its positions; by default title and solver are written above the axes.
 
     Returns
     -------
@@ -132,7 +132,8 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     for row, (name, stop) in enumerate(zip(names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
         colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
-        # Upwards in fractions of the axes, and one collection for all contacts: quick with thousands of them.
+        # Heights are fractions of the axes.  One collection holds all contacts, which is fast with thousands of
+        # contacts.
         axes.broken_barh(
             [(c.start, c.duration) for c in history.contacts if c.stop == row],
             (bottom, height),
@@ -146,6 +147,7 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
 
 
 def _height(axes: Axes) -> float:
-    """Height of the axes, inches, without the title: an estimate, because the layout is made only when drawn."""
+    """Height of the axes, inches, without the title: an estimate, because matplotlib computes the layout when it
+    draws."""
     assert axes.figure is not None
     return 0.75 * float(axes.bbox.height) / axes.figure.dpi

@@ -18,8 +18,8 @@ _STEP = 1e-6
 """Step of the differences, as a fraction of the size of the motion: the errors by rounding, 1e-16 / 1e-6, and by
 curvature, 1e-12, leave ten digits."""
 _SMALL = 1e-7
-"""Distance between two marches that are followed together, as a fraction of the size of the motion: small enough to be
-linear, and large enough for rounding, 1e-16, to leave nine digits."""
+"""Distance between two marches that are followed together, divided by the size of the motion: small enough for linear
+growth, and large enough that rounding, 1e-16, leaves nine digits."""
 _PER_HALF_PERIOD = 64
 """Least number of samples in half a period: parabolas between the samples then follow the low modes."""
 
@@ -92,8 +92,7 @@ def _at_stops(history: History, times: FloatArray) -> FloatArray:
 
 
 def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
-    """Segments between samples: the motion is taken to be a parabola there, and deviations to change linearly with
-    time.
+    """Segments between samples, in which the motion is a parabola in time, and deviations change linearly.
 
     `times`, s, and `switched`, the stop that switches or -1, have the shape ``(m,)``; `moves` holds the displacement at
     each stop and time by each deviation, m, shape ``(P, m, n)``.

@@ -1,4 +1,4 @@
-"""Parameters of the excitation: derivatives of the forces by them, and period maps at other values of them."""
+"""Parameters of the excitation: derivatives of the forces by a parameter, and period maps at other values of it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PERIODIC = (BaseMotion, HarmonicsBaseMotion)
 
 @runtime_checkable
 class Retunes(Protocol):
-    """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
+    """A period map that gives the map for another excitation of its structure with less work than a new map."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map with another value of one parameter; None if the solver must make the map anew.
@@ -43,10 +43,9 @@ class ExcitationChange:
 
 
 def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
-    """How the excitation of a problem changes with the parameter at a path, which `lapjoint.Axis` takes.
+    """The derivatives of the excitation of a problem by the parameter with the path `field`, see `lapjoint.Axis`.
 
-    None if the parameter is neither the frequency of all periodic excitation, which is `FREQUENCY`, nor the amplitude
-    of a harmonic base motion, or if there are sampled forces.
+    None if the parameter is neither `FREQUENCY` nor `AMPLITUDE`, or if there are sampled forces.
     """
     base, forces = problem.base_motion, problem.forces
     if forces.sampled or problem.excitation_frequency is None:

@@ -30,8 +30,8 @@ class Sample:
     base: FloatArray
     """Displacement and velocity of the base, m and m/s, shape ``(2, m)``."""
     faces: FloatArray
-    """Displacement of the face of each stop, m, shape ``(m, s)``: its gap, or the displacement of the beam that presses
-    it."""
+    """Displacement of the face of each stop, m, shape ``(m, s)``: its gap while open, the beam's displacement while
+    closed."""
     force: FloatArray
     """Force of each stop on the beam, N, positive upwards, shape ``(m, s)``."""
     closed: IntArray
@@ -41,7 +41,7 @@ class Sample:
     moved: FloatArray
     """Displacement of each stop relative to the base, m, shape ``(m, s)``: -y for a stop fixed in space, else 0."""
     gapped: bool = True
-    """Whether the stops stand behind their gaps; modes have no gaps."""
+    """Whether stops have gaps; in mode shapes they have none."""
 
 
 class Source(Protocol):
@@ -119,6 +119,6 @@ class ModeSeries:
 
 
 def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:
-    """A number with bit i set where stop i is closed, shape ``(m,)``; none where there are more stops than bits."""
+    """A number whose bit i is set while stop i is closed, shape ``(m,)``; empty if there are more stops than bits."""
     stops = closed.shape[1]
     return {"closed_stops": closed @ (1 << np.arange(stops))} if 0 < stops < 63 else {}

@@ -1,4 +1,4 @@
-"""The quantities of a motion that are summarised, and the places."""
+"""The quantities and the places of a summary."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from lapjoint.problem import FloatArray, Problem
 IndexArray = npt.NDArray[np.intp]
 
 STATIONS = 33
-"""Number of equidistant places along the beam at which quantities are looked at, besides those asked for."""
+"""Number of equidistant places along the beam that are sampled in addition to the chosen places."""
 ROUNDING = 1e-11
-"""Fraction of a quantity's largest magnitude along the beam, up to which a value is rounding and is stated as zero,
-such as the moment at a free end.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest
+"""Largest value, divided by a quantity's largest magnitude along the beam, that is rounding, and is stated as zero: the
+moment at a free end, for example.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest
 magnitude, and every other value at least 1e-5."""
 DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
-"""The quantities of a summary by default; stress only where the beam has a section."""
+"""The default quantities of a summary; stress only if the beam has a section."""
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Quantities, and the places where they are looked at: those asked for, and `STATIONS` along the beam."""
+    """Quantities, and the places at which they are sampled: the chosen places, and `STATIONS` along the beam."""
 
     problem: Problem
     quantities: tuple[Quantity, ...]
     places: tuple[float, ...]
-    """The places asked for, m."""
+    """The chosen places, m."""
 
     @cached_property
     def x(self) -> FloatArray:
@@ -45,7 +45,7 @@ class Selection:
 
     @cached_property
     def asked(self) -> IndexArray:
-        """Indices in `x` of the places that were asked for, shape ``(places,)``."""
+        """Indices in `x` of the chosen places, shape ``(places,)``."""
         return np.searchsorted(self.x, self.places)
 
     @cached_property
@@ -98,7 +98,7 @@ def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
 def selection(
     problem: Problem, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
 ) -> Selection:
-    """Quantities, by default those of `DEFAULT` that the problem has, and places, by default stops and free ends."""
+    """Quantities, by default the `DEFAULT` ones that the problem has, and places, by default stops and free ends."""
     if quantities is None:
         names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.beam.pieces)]
     else:

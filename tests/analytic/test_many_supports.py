@@ -106,6 +106,17 @@ def assert_conditions(problem: Problem, state: ContactState, modes: NormalModes)
         assert np.all(np.abs(np.where(np.isinf(k), value, balance)) <= 1e-8 * largest)
 
 
+def test_modes_meet_the_conditions_13a_to_13h_on_springs_of_both_kinds() -> None:
+    """Those of Figure 1: translational and torsional springs of any stiffness at the ends and between them."""
+    supports = [
+        Support(x=0.0, translational=2.4, torsional=0.04),
+        Support(x=0.7, translational=40.0, torsional=0.8),
+        Support(x=2.0, translational=0.8, torsional=2.0),
+    ]
+    problem = unit_beam(np.array([0.0, 2.0]), supports, [])
+    assert_conditions(problem, FREE, exact_modes(problem, FREE, 20))
+
+
 @pytest.mark.parametrize("spans", [2, 44, 51, pytest.param(300, marks=pytest.mark.slow)])
 def test_equal_pinned_spans_have_the_frequencies_of_the_three_moment_equation(spans: int) -> None:
     """cos(j pi / n) = -G / F: the first band goes from a pinned span's frequency (j = n) to below a clamped span's."""

@@ -7,19 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 from stretches import Cutting
 
 import analytic
-from lapjoint import Beam, InputError, ModalDamping, NoDamping, Problem, Stop, Support, ViscousDamping, paper_joint
+from lapjoint import Beam, InputError, ModalDamping, NoDamping, Problem, Stop, ViscousDamping, paper_joint
 from lapjoint.summaries.measure import LONG, SETTLED, UNITS, Measure, measure, sums_of
 from lapjoint.summaries.quantities import DEFAULT, STATIONS, selection
 from lapjoint.summaries.table import remarks, table
 
 SOLVER = analytic.Solver(n_modes=4)
-CANTILEVER = Problem(
-    beam=Beam(length=1.0, bending_stiffness=2.0, mass_per_length=0.5),
-    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
-    damping=ModalDamping(ratio=0.05),
+CANTILEVER = unit_cantilever().replace(
+    beam=Beam(length=1.0, bending_stiffness=2.0, mass_per_length=0.5), base_motion=None
 )
 FIRST = 1.8751040687**2 * math.sqrt(2.0 / 0.5)  # rad/s, of a cantilever
 

@@ -1,4 +1,4 @@
-"""A problem in other units of length, mass and time has the same answer in those units."""
+"""A problem in other units of length, mass and time has the same answer in those units: no constant has a unit."""
 
 from __future__ import annotations
 
@@ -6,12 +6,23 @@ import math
 
 import numpy as np
 import pytest
+from refining import AnySolver
 
 import analytic
+import fe_lapjoint
 from lapjoint import BaseMotion, Beam, History, ModalDamping, Problem, Stop, Support
 from lapjoint.problem import ViscousDamping
 
 FREQUENCY = 7.0  # rad/s, of the problem in its own units
+SCALES = {
+    "1e6 rad/s": (1e-3, 1e-6, FREQUENCY * 1e-6),
+    "1e-3 rad/s": (1e3, 1e9, FREQUENCY * 1e3),
+    "a long beam": (3e3, 1e4, 50.0),
+    "tiny": (1e-6, 1e-15, 1e-7),
+    "powers of two": (2.0**-40, 2.0**30, 2.0**-11),
+}
+SOLVERS: dict[str, AnySolver] = {"analytic": analytic.Solver(), "fe": fe_lapjoint.Solver(elements=6)}
+solvers = pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
 
 
 def scaled(length: float, mass: float, time: float, viscous: bool = False) -> Problem:
@@ -30,14 +41,6 @@ def scaled(length: float, mass: float, time: float, viscous: bool = False) -> Pr
     )
 
 
-SCALES = {
-    "1e6 rad/s": (1e-3, 1e-6, FREQUENCY * 1e-6),
-    "1e-3 rad/s": (1e3, 1e9, FREQUENCY * 1e3),
-    "a long beam": (3e3, 1e4, 50.0),
-    "tiny": (1e-6, 1e-15, 1e-7),
-}
-
-
 def contacts(history: History, length: float, mass: float, time: float) -> np.ndarray:
     """Contacts in the problem's own units."""
     momentum = mass * length / time
@@ -49,22 +52,24 @@ def contacts(history: History, length: float, mass: float, time: float) -> np.nd
     )
 
 
+@solvers
 @pytest.mark.parametrize("viscous", [False, True])
 @pytest.mark.parametrize("name", SCALES)
-def test_a_motion_in_other_units(name: str, viscous: bool) -> None:
+def test_a_motion_in_other_units(name: str, viscous: bool, solver: AnySolver) -> None:
     scales = SCALES[name]
     period = 2 * math.pi / FREQUENCY
-    own = contacts(analytic.Solver().simulate(scaled(1.0, 1.0, 1.0, viscous), 3 * period), 1.0, 1.0, 1.0)
-    other = contacts(analytic.Solver().simulate(scaled(*scales, viscous), 3 * period * scales[2]), *scales)
+    own = contacts(solver.simulate(scaled(1.0, 1.0, 1.0, viscous), 3 * period), 1.0, 1.0, 1.0)
+    other = contacts(solver.simulate(scaled(*scales, viscous), 3 * period * scales[2]), *scales)
     assert own.shape == other.shape
     assert len(own) > 5
     np.testing.assert_allclose(other, own, rtol=1e-7, atol=1e-9)  # rounding, grown by some ten impacts
 
 
+@solvers
 @pytest.mark.parametrize("name", SCALES)
-def test_a_steady_state_in_other_units(name: str) -> None:
+def test_a_steady_state_in_other_units(name: str, solver: AnySolver) -> None:
     length, mass, time = SCALES[name]
-    own = analytic.Solver().steady_state(scaled(1.0, 1.0, 1.0), sensitivity=False)
-    other = analytic.Solver().steady_state(scaled(length, mass, time), sensitivity=False)
+    own = solver.steady_state(scaled(1.0, 1.0, 1.0), sensitivity=False)
+    other = solver.steady_state(scaled(length, mass, time), sensitivity=False)
     assert (own.outcome, own.period_multiple) == (other.outcome, other.period_multiple)
     np.testing.assert_allclose(other.impulses * time / (mass * length), own.impulses, rtol=1e-7)
