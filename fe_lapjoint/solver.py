@@ -42,7 +42,8 @@ class Solver:
     Parameters
     ----------
     elements : int
-        Approximate number of elements along the beam; every support, stop and point load gets a node in addition.
+        Approximate number of elements along the beam; every support, stop, mass, step and load gets a node in
+        addition; along a stepped beam elements are shorter where its waves are.
     nodes : tuple of float, optional
         Nodes of a graded mesh, m, instead of `elements`.
     method : str

@@ -302,7 +302,7 @@ def _first_look(
         orientation = -tables.sign[k] if closed else tables.sign[k]
         h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
         shift[k] = max(h, 0.0)
-        size = tail[u, 0] + tables.gap[k]
+        size = tail[u, 0] + abs(tables.gap[k])
         for i in range(theta.size):
             size += abs(tables.forced[slot, u, i])
         threshold = _LEAST_OF_TERMS * size + _TINY

@@ -66,7 +66,7 @@ def _switched(joint: PublishedJoint, state: ContactState, motion: FrozenMotion) 
     z = _at_stops(joint, motion)
     closed = []
     for k, stop in enumerate(joint.problem.stops):
-        least = stop.gap * (1 - TOUCHING) if k in state else stop.gap
+        least = stop.gap - TOUCHING * abs(stop.gap) if k in state else stop.gap
         if stop.sign * z[k] > least:
             closed.append(k)
     if tuple(closed) != state.closed:

@@ -1,10 +1,11 @@
-"""Contact states: which stops are closed, and the paper's numbering of the nine."""
+"""Contact states: the sets of closed stops, and the paper's numbers of its nine states."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
@@ -55,13 +56,13 @@ class ContactState:
 
 FREE = ContactState()
 MOST_STATES = 4096
-"""Largest number of contact states that are listed: the number that twelve stops at different positions have."""
+"""Largest number of contact states in a list: twelve stops at different positions have this number."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     """Every set of stops that can be closed together, fewest first.
 
-    Stops at one position can be closed together only if they are on the same side.
+    Opposite stops at one position can be closed together only if their gaps overlap: if the sum of both is below 0.
 
     Parameters
     ----------
@@ -78,35 +79,39 @@ def contact_states(problem: Problem) -> tuple[ContactState, ...]:
     InputError
         If there are more than `MOST_STATES` of them.
     """
-    at: dict[float, dict[str, list[int]]] = {}
-    for i, stop in enumerate(problem.stops):
-        at.setdefault(stop.x, {}).setdefault(stop.side, []).append(i)
-    choices: list[list[tuple[int, ...]]] = []
-    for x in sorted(at):
-        subsets: set[tuple[int, ...]] = {()}
-        for here in at[x].values():
-            # Stops on one side close in the order of their gaps; those with equal gaps close together.
-            for gap in {problem.stops[i].gap for i in here}:
-                subsets.add(tuple(i for i in here if problem.stops[i].gap <= gap))
-        choices.append(sorted(subsets, key=lambda c: (len(c), c)))
+    choices = [sorted(closed_together(problem, here), key=lambda c: (len(c), c)) for here in places(problem)]
     digits = sum(math.log10(len(subsets)) for subsets in choices)
     if digits > math.log10(MOST_STATES) + 1e-9:
         number = str(math.prod(map(len, choices))) if digits < 18 else f"some 10^{digits:.0f}"
         raise InputError(f"stops: these have {number} contact states; at most {MOST_STATES} can be listed")
-    states = {ContactState(tuple(i for part in combination for i in part)) for combination in product(*choices)}
+    states = {
+        ContactState(tuple(i for part in combination for i in part)) for combination in itertools.product(*choices)
+    }
     return tuple(sorted(states, key=lambda s: (len(s.closed), s.closed)))
 
 
 def can_be_closed(problem: Problem, state: ContactState) -> bool:
     """Whether the stops of a state can be closed while all others are open; `contact_states` lists such states."""
-    reached: dict[tuple[float, str], float] = {}
-    for i in state.closed:
-        stop = problem.stops[i]
-        reached[stop.x, stop.side] = max(stop.gap, reached.get((stop.x, stop.side), 0.0))
-    if len({x for x, _ in reached}) < len(reached):
-        return False
-    within = (i for i, stop in enumerate(problem.stops) if stop.gap <= reached.get((stop.x, stop.side), -1.0))
-    return tuple(within) == state.closed
+    here = places(problem)
+    return all(tuple(i for i in stops if i in state) in closed_together(problem, stops) for stops in here)
+
+
+def places(problem: Problem) -> list[list[int]]:
+    """The stops of each place (`Stop.place`), from the root to the tip: one displacement decides which are closed."""
+    at: dict[tuple[float, bool], list[int]] = {}
+    for i, stop in enumerate(problem.stops):
+        at.setdefault(stop.place, []).append(i)
+    return [at[place] for place in sorted(at)]
+
+
+def closed_together(problem: Problem, here: Sequence[int]) -> set[tuple[int, ...]]:
+    """The sets of stops of one place, of indices `here`, that some displacement there closes."""
+    edges = sorted({problem.stops[i].sign * problem.stops[i].gap for i in here})
+    between = [(a + b) / 2 for a, b in itertools.pairwise(edges)]
+    beyond = [-math.inf, math.inf]
+    return {
+        tuple(i for i in here if problem.stops[i].sign * z > problem.stops[i].gap) for z in (*beyond, *between, *edges)
+    }
 
 
 # The paper's Table 1, by (place, side) of the closed stops; Table 4 gives the order of states 6 to 9.
@@ -124,7 +129,7 @@ _PAPER_STATES = {
 
 
 def is_paper_joint(problem: Problem) -> bool:
-    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip."""
+    """Whether the stops are those of the paper: one on each side at mid-span and at the tip."""
     L = problem.beam.length
     places = sorted((stop.x, stop.side) for stop in problem.stops)
     return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
@@ -138,7 +143,7 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     problem : Problem
         A problem with the paper's stops.
     state : ContactState
-        One that `contact_states` lists.
+        One of `contact_states`.
 
     Returns
     -------
@@ -148,7 +153,7 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     Raises
     ------
     ValueError
-        If the stops are not laid out as the paper's.
+        If the stops are not those of the paper.
     """
     if not is_paper_joint(problem):
         raise ValueError("only the paper's joint, with stops at mid-span and tip, has numbered states")
@@ -159,11 +164,11 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
 
 
 def state_label(problem: Problem, state: ContactState) -> str:
-    """The name of a state, after the paper's number where the state has one: ``6 P2 + P3``."""
+    """The name of a state, after the paper's number if the state has one: ``6 P2 + P3``."""
     number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
     return number + state.name(problem)
 
 
 def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """A key to sort states: the paper's number or the number of closed stops; then the indices of the closed stops."""
+    """A key to sort states: the paper's number, or else the number of closed stops; then the indices of these stops."""
     return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

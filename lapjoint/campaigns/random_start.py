@@ -39,8 +39,8 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
 
 
 def _gap(problem: Problem) -> float:
-    """The median of the gaps, m; a thousandth of the length where there is no gap."""
-    gaps = [stop.gap for stop in problem.stops if stop.gap > 0]
+    """The median size of the gaps and interferences, m; a thousandth of the length where there is none."""
+    gaps = [abs(stop.gap) for stop in problem.stops if stop.gap]
     return float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length
 
 

@@ -1,4 +1,4 @@
-"""Answers as notebooks show them: a table and a small figure, as one piece of HTML."""
+"""The display of answers in notebooks: a table and a small figure, as one piece of HTML."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lapjoint.figures.style import new_axes, svg_of
 from lapjoint.figures.text import error_text, frequency_text
 
 CONTACTS_SHOWN, MODES_SHOWN = 8, 12
-"""Largest numbers of rows of tables, for an answer to fit on a screen."""
+"""Largest numbers of rows in the tables of contacts and of modes, so that an answer fits on a screen."""
 _SIZE = 5.6, 2.4  # inches
 _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
@@ -92,7 +92,7 @@ def _with_error(value: float, error: float | None) -> str:
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -> str:
-    """A table, and how many rows it leaves out."""
+    """A table in HTML, with the number of rows that are left out."""
     head = "".join(f"<th{_MIDDLE}>{html.escape(text)}</th>" for text in heads)
     body = "".join("<tr>" + "".join(f"<td{_MIDDLE}>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     more = f"<p>... and {left_out} more</p>" if left_out > 0 else ""
@@ -100,7 +100,7 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -
 
 
 def _picture(history: History) -> str:
-    """Displacements over time as an image, on white, so that it can be read on a dark page too."""
+    """Displacements over time as an image, on white, so that it is legible on a dark page, too."""
     axes = plot_motion(history, new_axes(*_SIZE), samples=_SAMPLES)
     data = base64.b64encode(svg_of(axes).encode()).decode()
     text = "Displacement over time, with the gaps and the contacts of the stops"

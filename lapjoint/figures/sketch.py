@@ -1,4 +1,4 @@
-"""The sketch of a joint: beam, supports, stops behind their gaps, and the excitation.  Only x is to scale."""
+"""The sketch of a joint: beam, supports, masses, stops behind their gaps, and all loads.  Only x is to scale."""
 
 from __future__ import annotations
 
@@ -19,11 +19,14 @@ if TYPE_CHECKING:
 HEIGHT = 2.5
 """Height of the figure, inches."""
 _WIDE, _LEFT = 10.0, 1.4  # length of the beam on the page, and the room on its left, in units of the sketch
-_HALF = 0.13  # half the beam's depth
+_HALF = 0.13  # half the beam's depth, of a stepped beam where its bending stiffness is largest
+_THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of the largest
+_MASS = 0.3  # half the side of a mass
+_ALONG = 0.55  # height of the arrows of a uniform load above the beam
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
-_BELOW = -2.45  # where the line of positions stands
+_BELOW = -2.45  # height of the line of positions
 _NAME_SHOWN = 14  # characters
-_NEAR = 0.5  # largest distance of things that share a place
+_NEAR = 0.5  # distance below which two symbols would overlap
 _RIGHT = 1.75  # room on the right of the beam
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
 _INK = "0.15"
@@ -32,24 +35,24 @@ _BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
 
 @dataclass
 class _Page:
-    """Axes, and the boxes on them that are taken: a text that would overlap a box is left out."""
+    """Axes, and their occupied boxes: a text that would overlap an occupied box is left out."""
 
     axes: Axes
     per_inch: float
     """Units of the sketch in an inch."""
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
-    """Boxes: left, right, lowest, highest."""
+    """Occupied boxes: left, right, lowest and highest coordinate."""
 
     def line(self, x: FloatArray | list[float], y: FloatArray | list[float], colour: str, width: float) -> None:
         """Draw a line."""
         self.axes.plot(x, y, color=colour, linewidth=width, linestyle="-")
 
     def take(self, left: float, right: float, lowest: float, highest: float) -> None:
-        """Keep texts out of a box."""
+        """Mark a box as occupied."""
         self.taken.append((min(left, right), max(left, right), min(lowest, highest), max(lowest, highest)))
 
     def say(self, x: float, y: float, text: str, colour: str = _INK, align: str = "left") -> bool:
-        """Write a text whose middle line is at `y`, if there is room; whether it was written."""
+        """Write a text centred at height `y`, if there is room, and say whether it was written."""
         lines = text.split("\n")
         wide = max(width_of(line, SMALL) for line in lines) * self.per_inch
         left = x - {"left": 0.0, "center": wide / 2, "right": wide}[align]
@@ -62,7 +65,7 @@ class _Page:
         return True
 
     def ground(self, x: float, y: float, up: float, wide: float = 0.32) -> None:
-        """A hatched line at `y`, its body above (`up` = 1) or below (-1)."""
+        """A hatched line at `y`, with the hatching above (`up` = 1) or below (-1)."""
         self.line([x - wide, x + wide], [y, y], _INK, 0.9)
         for at in np.linspace(x - wide, x + wide * 0.75, 6):
             self.line([float(at), float(at) + 0.2 * wide], [y, y + up * 0.14], _INK, 0.5)
@@ -84,7 +87,7 @@ class _Page:
 
 @style()
 def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
-    """Draw a joint: positions to scale, everything else as symbols with its numbers beside.
+    """Draw a joint: positions to scale, everything else as symbols with numbers beside them.
 
     Numbers for which there is no room are left out.
 
@@ -108,22 +111,45 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
         _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0]),
         _WIDE / problem.beam.length,
     )
-    axes.fill_between([0.0, _WIDE], -_HALF, _HALF, color=_BEAM, linewidth=0)
-    page.take(0.0, _WIDE, -_HALF, _HALF)
+    _draw_beam(page, problem, scale)
     for support in problem.supports:
         under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.stops)
         _draw_support(page, support, support.x * scale, -0.42 if under else 0.0)
     for stop in problem.stops:
-        _draw_stop(page, stop, stop.x * scale)
+        _draw_stop(page, stop, stop.x * scale, _half_depth(problem, float(problem.beam.EI_at(np.array([stop.x]))[0])))
+    for mass in problem.masses:
+        _draw_mass(page, mass.x * scale)
     _draw_drive(page, problem, scale)
+    _draw_static_loads(page, problem, scale)
     _draw_positions(page, problem, scale)
     _name_stops(page, problem, scale)
+    _name_masses(page, problem, scale)
     _say_supports(page, problem, scale)
     return axes
 
 
+def _draw_beam(page: _Page, problem: Problem, scale: float) -> None:
+    """The beam, piece by piece."""
+    for piece in problem.beam.pieces:
+        half = _half_depth(problem, piece.EI)
+        page.axes.fill_between([piece.start * scale, piece.end * scale], -half, half, color=_BEAM, linewidth=0)
+    page.take(0.0, _WIDE, -_HALF, _HALF)
+
+
+def _half_depth(problem: Problem, EI: float) -> float:
+    """Half the depth of a piece of bending stiffness `EI`, N m2: depths go with its fourth root, as round bars' do."""
+    stiffest = max(piece.EI for piece in problem.beam.pieces)
+    return _HALF * max(math.sqrt(math.sqrt(EI / stiffest)), _THINNEST)
+
+
+def _draw_mass(page: _Page, x: float) -> None:
+    """A square block about the axis of the beam."""
+    page.axes.fill([x - _MASS, x + _MASS, x + _MASS, x - _MASS], [-_MASS, -_MASS, _MASS, _MASS], color=GREY, zorder=3)
+    page.take(x - _MASS, x + _MASS, -_MASS, _MASS)
+
+
 def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None:
-    """A wall, a pin, or springs, these so far aside that they do not stand on a stop."""
+    """Draw a wall, a pin, or springs; springs are moved by `aside`, so that they do not overlap a stop."""
     if math.isinf(support.translational) and math.isinf(support.torsional):
         outside = -1.0 if x <= _WIDE / 2 else 1.0
         page.line([x, x], [-0.75, 0.75], _INK, 1.2)
@@ -144,29 +170,44 @@ def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None
         page.take(x - 0.32, x + 0.32, 0.13, 0.77)
 
 
-def _draw_stop(page: _Page, stop: Stop, x: float) -> None:
-    """A plate behind its gap, a spring, and the ground."""
+def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
+    """A plate behind its gap from the `surface` of the beam, a spring, and the ground."""
     up = float(stop.sign)
-    face = up * (_HALF + (_GAP if stop.gap else 0.0))
+    face = up * (surface + (_GAP if stop.gap > 0 else 0.0))
     page.line([x - 0.16, x + 0.16], [face, face], _STOP, 1.8)
     page.spring(x, face, face + up * _SPRING, _STOP)
     page.ground(x, face + up * _SPRING, up)
 
 
 def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
-    """Names with numbers beside the stops, names alone where there is no room for numbers, and how many there are."""
+    """Write names and numbers beside the stops, or names alone without room for numbers, and the number of stops."""
     for stop, name in zip(problem.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
-        numbers = (_number("gap", stop.gap, "m"), _number("k", stop.stiffness, "N/m"))
-        place = stop.x * scale + 0.36, stop.sign * 1.0
-        if not page.say(*place, "\n".join((short, *numbers)), _STOP):
-            page.say(*place, short, _STOP)
+        gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
+        numbers = (gap, _number("k", stop.stiffness, "N/m"), *(("fixed in space",) * (stop.fixed_to == "space")))
+        x, y, text = stop.x * scale, stop.sign * 1.0, "\n".join((short, *numbers))
+        _ = (
+            page.say(x + 0.36, y, text, _STOP)
+            or page.say(x - 0.36, y, text, _STOP, "right")
+            or page.say(x + 0.36, y, short, _STOP)
+        )
     if len(problem.stops) > 1:
         page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
 
 
+def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
+    """Names, masses and rotary inertias beside the masses, where there is room."""
+    for mass in problem.masses:
+        lines = [cut_to(literal(mass.name), _NAME_SHOWN)] if mass.name else []
+        lines.append(_number("m", mass.mass, "kg"))
+        if mass.rotary_inertia:
+            lines.append(_number("J", mass.rotary_inertia, "kg m2"))
+        text, x, y = "\n".join(lines), mass.x * scale, _MASS + 0.1 + len(lines) * _LINE / 2
+        _ = page.say(x, y, text, GREY, "center") or page.say(x, -y, text, GREY, "center")
+
+
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
-    """Stiffnesses beside the supports."""
+    """Write stiffnesses beside the supports."""
     for support in problem.supports:
         x = support.x * scale
         if 0 < support.translational < math.inf:
@@ -177,7 +218,7 @@ def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
 
 
 def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
-    """The motion of the base at the left, and the loads as arrows."""
+    """Draw the motion of the base on the left, and the loads as arrows."""
     if problem.base_motion is not None:
         page.arrow(-0.75, 0.8, -0.8, "<->")
         page.say(-_LEFT + 0.05, 1.35, _said_of_base(problem), _DRIVE)
@@ -190,8 +231,24 @@ def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
         page.say(x - 0.12, max(tip, tail, key=abs), text, _DRIVE, "right")
 
 
+def _draw_static_loads(page: _Page, problem: Problem, scale: float) -> None:
+    """Gravity as an arrow at the right, and uniform loads as rows of arrows."""
+    if problem.gravity is not None and problem.gravity.acceleration:
+        x, up = _WIDE + 1.2, math.copysign(1.0, problem.gravity.acceleration)
+        page.arrow(x, up * 0.45, -up * 0.45, "->")
+        page.say(x, 0.75, f"{abs(problem.gravity.acceleration):g} m/s2", _DRIVE, "center")
+    for load in problem.uniform_loads:
+        start, end = load.start * scale, (problem.beam.length if load.to is None else load.to) * scale
+        far, near = _HALF + _ALONG, _HALF
+        tip, tail = (near, far) if load.force_per_length < 0 else (far, near)
+        for x in np.linspace(start, end, max(2, round((end - start) / 0.5) + 1)):
+            page.arrow(float(x), tip, tail, "->")
+        page.line([start, end], [far, far], _DRIVE, 0.8)
+        page.say((start + end) / 2, far + _LINE / 2 + 0.05, f"{load.force_per_length:g} N/m", _DRIVE, "center")
+
+
 def _said_of_base(problem: Problem) -> str:
-    """How the base moves, in a line or two."""
+    """The motion of the base, in one or two lines."""
     base = problem.base_motion
     assert base is not None
     omega = problem.excitation_frequency
@@ -203,12 +260,13 @@ def _said_of_base(problem: Problem) -> str:
 
 
 def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
-    """A line with a tick and a number at every position."""
+    """Draw a line with a tick and a number at every position."""
     supports, stops = ([it.x for it in problem.supports], [it.x for it in problem.stops])
+    other = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
     page.say(_WIDE, _BELOW - 0.42, f"{problem.beam.length:g}", GREY, "center")
     page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
-    for place in sorted({0.0, problem.beam.length, *supports, *stops}):
+    for place in sorted({0.0, problem.beam.length, *supports, *stops, *other}):
         page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
         if place != problem.beam.length:
             page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")

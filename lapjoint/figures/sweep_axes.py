@@ -1,6 +1,7 @@
 """The swept fields of a sweep's dataset: their names, units and values.
 
-A figure shows two swept fields.  A third one is drawn at its first value.
+A field is a varied parameter of the problem.  A figure shows at most two swept fields, and further fields at their
+first value.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _LONGEST = 20
-"""Largest number of characters of a stop's name within the name of its field, for labels to stay short."""
+"""Largest number of characters of a stop's name within the name of its field, to keep labels short."""
 
 
 def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
@@ -31,7 +32,7 @@ def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Fields that were in rad/s are in Hz.
+        The dataset with fields in Hz in place of rad/s.
     """
     turned = {
         str(name): (value.dims, value.values / (2 * math.pi), {**value.attrs, "units": "Hz"})
@@ -42,7 +43,7 @@ def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with ascending swept fields; of a third and further swept fields it has the first value only."""
+    """The dataset with ascending values of the first two swept fields, and only the first value of further fields."""
     names = [name for name in dataset.outcome.dims if name != "start"]
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 

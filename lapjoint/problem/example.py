@@ -28,6 +28,20 @@ shape = "rectangle"           # "rectangle" (breadth, height), "circle" (diamete
 breadth = 0.3                 # m, across the motion
 height = 0.05                 # m, along the motion
 
+# A beam with steps has segments in place of one section, from the root to the tip; each has a section (and its own
+# material, if it is not the beam's), or bending_stiffness and mass_per_length:
+# [[beam.segments]]
+# to = 0.8                    # m, where the segment ends; the last one ends at the length of the beam
+# section = {shape = "rectangle", breadth = 0.3, height = 0.06}
+# Two masses per length, kg/m, go into [beam]: contents_per_length (a filling, on which gravity acts) and
+# added_mass_per_length (a fluid around the beam, on which gravity does not act).
+
+# [[masses]]                  # rigid masses at points; base motion and gravity act on them
+# name = "clevis"
+# x = 2.5                     # m, within the beam
+# mass = 12.0                 # kg, >= 0
+# rotary_inertia = 0.05       # kg m2, >= 0
+
 [[supports]]                  # linear springs to the base that always act; any number, also none
 x = 0.0                       # m, within the beam
 translational = inf           # N/m, 0 to inf; inf fixes the displacement
@@ -37,8 +51,9 @@ torsional = inf               # N m/rad, 0 to inf; inf fixes the slope
 name = "P2"                   # for tables
 x = 2.5                       # m, within the beam
 side = "bottom"               # "bottom" acts at z < -gap, "top" at z > gap
-gap = 1e-3                    # m, >= 0
+gap = 1e-3                    # m; below 0 an interference: the stop presses the straight beam
 stiffness = 1.476e8           # N/m, > 0; here 1200 times 3 EI / length^3
+# fixed_to = "space"          # "base" by default: the stop moves with the base; in "space" the gap sees z + y
 
 [[stops]]
 name = "P3"
@@ -103,6 +118,14 @@ phase = 0.0                   # rad
 # x = 2.5                     # m, within the beam
 # force = 100.0               # N, positive upwards
 # angular_frequency = 515.0   # rad/s
+
+# [gravity]                   # along z, from t = 0 on
+# acceleration = -9.81        # m/s2, positive upwards
+
+# [[uniform_loads]]           # constant forces along the beam, from t = 0 on; any number
+# from = 0.5                  # m; the root, if not given
+# to = 1.0                    # m; the tip, if not given
+# force_per_length = -200.0   # N/m, positive upwards
 
 [initial]
 kind = "rest"                 # "rest", "polynomial" (displacement and velocity: coefficients of 1, x, x^2 ...)

@@ -90,8 +90,9 @@ def _of_section(path: str, section: Section, length: float) -> Iterator[str]:
 
 def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:
     for i, stop in enumerate(stops):
-        if stop.gap > WIDE * beam.length:
-            guess = "; were mm meant? " + _thousandth(stop.gap) if stop.gap / 1000 <= WIDE * beam.length else ""
+        size = abs(stop.gap)
+        if size > WIDE * beam.length:
+            guess = "; were mm meant? " + _thousandth(stop.gap) if size / 1000 <= WIDE * beam.length else ""
             yield f"stops[{i}].gap = {stop.gap:g} m: the beam is {beam.length:g} m long{guess}"
         ratio = stop.stiffness * beam.length**3 / beam.EI
         if not SOFT <= ratio <= HARD:

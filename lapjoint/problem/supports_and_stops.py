@@ -41,3 +41,14 @@ class Stop(Part):
     def sign(self) -> int:
         """+1 for a top stop, -1 for a bottom stop: closed where ``sign * z > gap``."""
         return 1 if self.side == "top" else -1
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the stop is fixed in space, and does not move with the base."""
+        return self.fixed_to == "space"
+
+    @property
+    def place(self) -> tuple[float, bool]:
+        """Position, m, and whether the stop is fixed in space: one displacement opens and closes all stops of a
+        place."""
+        return self.x, self.in_space

@@ -16,7 +16,7 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """For each stop the index of its twin on the other side, if the problem is its own mirror image; else None.
 
     A problem is its own mirror image if all forces change sign in half a period, which excludes constant forces and
-    even harmonics, and if the stops of both sides agree in position, gap and stiffness. A problem without an excitation
+    even harmonics, and if the stops of both sides agree in place, gap and stiffness. A problem without an excitation
     frequency has no half period, and no mirror image.
     """
     return stop_twins(problem.structure) if problem.forces.change_sign else None
@@ -24,10 +24,10 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
 
 @lru_cache(maxsize=_KEPT)
 def stop_twins(structure: Structure) -> tuple[int, ...] | None:
-    """The twin of each stop on the other side, if both sides agree in position, gap and stiffness; else None."""
-    sides: dict[str, list[tuple[tuple[float, float, float], int]]] = {"top": [], "bottom": []}
+    """The twin of each stop on the other side, if both sides agree in place, gap and stiffness; else None."""
+    sides: dict[str, list[tuple[tuple[tuple[float, bool], float, float], int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
-        sides[stop.side].append(((stop.x, stop.gap, stop.stiffness), k))
+        sides[stop.side].append(((stop.place, stop.gap, stop.stiffness), k))
     top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
     if [key for key, _ in top] != [key for key, _ in bottom]:
         return None

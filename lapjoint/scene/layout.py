@@ -1,4 +1,5 @@
-"""The layout of a joint at rest: stations along the beam, and sizes of parts that the problem leaves open."""
+"""The layout of a joint at rest: positions along the beam (stations), and sizes of parts that the problem leaves
+open."""
 
 from __future__ import annotations
 
@@ -14,19 +15,19 @@ from lapjoint.problem.beam import Rectangle
 from lapjoint.scene.section_mesh import IntArray
 
 MOST_POINTS = 100_000
-"""Largest number of stations along a beam, so that a frame stays of a size that can be drawn."""
+"""Largest number of stations along a beam, so that a frame can be drawn."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The joint at rest; a number of stations that is out of its range is an `InputError`."""
+    """The layout of a joint at rest; a number of stations out of its range is an `InputError`."""
 
     problem: Problem
     """The joint."""
     points: int = 81
-    """Number of equidistant stations along the beam; the positions of supports and stops are added."""
+    """Number of equidistant stations along the beam; the positions of supports, stops, masses and steps are added."""
     offset: float = 0.0
-    """Shift along y of a joint that stands beside another, m."""
+    """Shift of the joint along y, m, if several joints stand side by side."""
     pressed: float = 0.0
     """Largest penetration of a stop, m; the springs are made longer than this."""
 
@@ -37,9 +38,11 @@ class Layout:
     def stations(self) -> FloatArray:
         """Positions along the beam, m, ascending, shape ``(n,)``."""
         L = self.problem.beam.length
-        special = [support.x for support in self.problem.supports] + [stop.x for stop in self.problem.stops]
+        problem = self.problem
+        special = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
+        special += [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
         grid = np.linspace(0.0, L, self.points)
-        # A grid point closer than this to a special one gives way to it, so that no cell is degenerate.
+        # A grid point closer than this to a support or stop is left out, so that no cell is degenerate.
         apart = np.all(np.abs(grid[:, None] - np.array(special)[None, :]) > 1e-9 * L, axis=1)
         return np.unique(np.concatenate([grid[apart], special]))
 
@@ -64,25 +67,38 @@ class Layout:
 
     @property
     def half_depth(self) -> float:
-        """Height of the beam's surface above its axis, m; 0 where the problem gives no cross-section."""
-        section = self.problem.beam.section
-        return section.depth / 2 if section else 0.0
+        """Largest height of the beam's surface above its axis, m; 0 where the problem gives no cross-section."""
+        return float(self.half_depth_at(self.stations).max())
+
+    def half_depth_at(self, x: FloatArray) -> FloatArray:
+        """Height of the beam's surface above its axis at positions, m, ``(n,)``; at a step the larger of both sides."""
+        found = np.zeros(x.size)
+        for piece in self.problem.beam.pieces:
+            if piece.section is not None:
+                here = (x >= piece.start) & (x <= piece.end)
+                found = np.maximum(found, np.where(here, piece.section.depth / 2, 0.0))
+        return found
+
+    @property
+    def half_mass(self) -> float:
+        """Half the side of the cube that stands for a mass, m; it covers the beam."""
+        return max(1.2 * self.half_depth, self.problem.beam.length / 50)
 
     @property
     def breadth(self) -> float:
-        """Breadth of the beam, m; a thirtieth of its length where the problem gives no cross-section."""
-        section = self.problem.beam.section
-        if section is None:
-            return self.problem.beam.length / 30
-        return section.breadth if isinstance(section, Rectangle) else section.depth
+        """Largest breadth of the beam, m; a thirtieth of its length where the problem gives no cross-section."""
+        sections = [piece.section for piece in self.problem.beam.pieces]
+        wide = [it.breadth if isinstance(it, Rectangle) else it.depth for it in sections if it is not None]
+        return max(wide, default=self.problem.beam.length / 30)
 
     @property
     def reach(self) -> float:
-        """Distance from the beam's surface to the rails that carry the stops, m, gaps not counted."""
+        """Distance from the beam's surface to the rails that carry the stops, m, without gaps."""
         return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
-        """The widest gap, m, on the side `sign` of the beam (1: above), by which that side's rail is set off."""
+        """The widest gap, m, on the side `sign` of the beam (1: above), by which the rail of this side is moved
+        away."""
         return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
 
     def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:

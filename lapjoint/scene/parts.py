@@ -1,14 +1,15 @@
 """The parts of a scene: fixed points and cells, and the values that they carry at any time.
 
-The points lie where the joint is at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
-each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector moves all parts
-together, at true scale or any other, and a beam that presses a stop touches it at every scale.
+The points are those of the joint at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
+each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector of ParaView
+moves all parts together, at any scale, and a beam that presses a stop touches the stop at every scale.
 
 ================== ====================== ==============================================================
 part               cells                  what it is
 ================== ====================== ==============================================================
 ``beam``           lines                  the axis
 ``solid``          hexahedra              the beam in its true cross-section, if the problem gives one
+``masses``         quadrilaterals         a cube for each mass, of a size that says nothing
 ``stops``          a line for each stop   the spring, from its face to the rail that carries it
 ``gaps``           a line for each stop   from the beam's surface to the stop's face: the opening
 ``base``           quadrilaterals         rails, walls at fixed ends, and posts of other supports
@@ -49,12 +50,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lapjoint.problem import FloatArray, Support
+from lapjoint.problem import BeamPiece, FloatArray, Support
 from lapjoint.scene.layout import Layout
 from lapjoint.scene.sampled_motion import Sample
-from lapjoint.scene.section_mesh import IntArray, section_mesh
+from lapjoint.scene.section_mesh import IntArray, SectionMesh, section_mesh
 
-PARTS = ("beam", "solid", "stops", "gaps", "base")
+PARTS = ("beam", "solid", "masses", "stops", "gaps", "base")
 """Names of all kinds of parts."""
 Arrays = dict[str, FloatArray | IntArray]
 """Values by name."""
@@ -147,35 +148,77 @@ class Beam(Part):
 
 
 class Solid(Part):
-    """The beam in its true cross-section, which stays plane and at right angles to the axis."""
+    """The beam in its true cross-sections, which stay plane and at right angles to the axis; each piece is a block."""
+
+    @cached_property
+    def _blocks(self) -> tuple[tuple[BeamPiece, SectionMesh, IntArray], ...]:
+        """Each piece of the beam with the mesh of its section, and the indices of the stations from start to end."""
+        x, found = self.layout.stations, []
+        for piece in self.layout.problem.beam.pieces:
+            assert piece.section is not None
+            found.append((piece, section_mesh(piece.section), np.flatnonzero((x >= piece.start) & (x <= piece.end))))
+        return tuple(found)
 
     @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
-        section = self.layout.problem.beam.section
-        assert section is not None
-        flat, x = section_mesh(section), self.layout.stations
-        y, z = np.tile(flat.points, (x.size, 1)).T
-        points = self.layout.place(np.repeat(x, len(flat.points)), y, z)
-        behind = flat.quads[None] + len(flat.points) * np.arange(x.size - 1)[:, None, None]
-        return points, np.concatenate([behind, behind + len(flat.points)], axis=2).reshape(-1, 8)
+        points, cells, first = [], [], 0
+        for _, flat, stations in self._blocks:
+            y, z = np.tile(flat.points, (stations.size, 1)).T
+            points.append(self.layout.place(np.repeat(self.layout.stations[stations], len(flat.points)), y, z))
+            behind = first + flat.quads[None] + len(flat.points) * np.arange(stations.size - 1)[:, None, None]
+            cells.append(np.concatenate([behind, behind + len(flat.points)], axis=2).reshape(-1, 8))
+            first += len(points[-1])
+        return np.concatenate(points), np.concatenate(cells)
+
+    @cached_property
+    def _of_points(self) -> tuple[IntArray, FloatArray]:
+        """The station, and E / EI, 1/m4, of each point, shape ``(points,)``."""
+        station = [np.repeat(stations, len(flat.points)) for _, flat, stations in self._blocks]
+        ratio = [
+            np.full(indices.size, piece.material.youngs_modulus / piece.EI)
+            for indices, (piece, _, _) in zip(station, self._blocks, strict=True)
+            if piece.material is not None
+        ]
+        return np.concatenate(station), np.concatenate(ratio)
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
-        beam, problem = sample.beam, self.layout.problem
-        assert problem.beam.material is not None
-        height, number = self.points[:, 2], len(self.points) // self.layout.stations.size
+        beam, height, (station, ratio) = sample.beam, self.points[:, 2], self._of_points
+        EI = self.layout.problem.beam.EI_at(self.layout.stations)
 
         def on_points(values: FloatArray) -> FloatArray:
-            """Values at the stations, ``(m, n)``, repeated over the points of each cross-section."""
-            return np.repeat(values, number, axis=1)
+            """Values at the stations, ``(m, n)``, at the points of each cross-section."""
+            return values[:, station]
 
-        z_x, z_xx = on_points(beam["z_x"]), on_points(beam["z_xx"])
+        z_x, moment = on_points(beam["z_x"]), on_points(EI * beam["z_xx"])
         point = _displacements(_vectors(on_points(beam["z"]), -height * z_x), sample)
         if "z_t" in beam:
             point |= _velocities(_vectors(on_points(beam["z_t"]), -height * on_points(beam["z_xt"])), sample)
-        EI = problem.beam.EI
-        point |= {"slope": z_x, "moment": EI * z_xx, "shear": EI * on_points(beam["z_xxx"])}
-        return Values(point | {"bending_stress": -problem.beam.material.youngs_modulus * height * z_xx}, {})
+        point |= {"slope": z_x, "moment": moment, "shear": on_points(EI * beam["z_xxx"])}
+        return Values(point | {"bending_stress": -ratio * height * moment}, {})
+
+
+class Masses(Part):
+    """The masses, as rigid cubes that move and turn with the beam."""
+
+    @cached_property
+    def _mesh(self) -> tuple[FloatArray, IntArray]:
+        masses, half = self.layout.problem.masses, self.layout.half_mass
+        corner = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+        faces = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+        x = np.repeat([mass.x for mass in masses], len(corner))
+        dx, y, z = np.tile(corner, (len(masses), 1)).T
+        cells = faces[None] + len(corner) * np.arange(len(masses))[:, None, None]
+        return self.layout.place(x + dx, y, z), cells.reshape(-1, 4).astype(np.int64)
+
+    def values(self, sample: Sample) -> Values:
+        """See `lapjoint.scene.parts.Part.values`."""
+        x = np.array([mass.x for mass in self.layout.problem.masses])
+        at = np.repeat(np.searchsorted(self.layout.stations, x), len(self.points) // x.size)
+        from_axis = self.points - np.column_stack([self.layout.stations[at], *np.zeros((2, at.size))])
+        slope = sample.beam["z_x"][:, at]
+        moved = _vectors(sample.beam["z"][:, at] + slope * from_axis[:, 0], -slope * from_axis[:, 2])
+        return Values(_displacements(moved, sample), {})
 
 
 class Stops(Part):
@@ -189,7 +232,7 @@ class Stops(Part):
         """See `lapjoint.scene.parts.Part.values`."""
         stops = self.layout.problem.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
-        moved = np.stack([sample.faces, np.broadcast_to(feet, sample.faces.shape)], axis=2)
+        moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
         return Values(
             _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
@@ -255,12 +298,13 @@ class Base(Part):
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
-    """The parts of a joint: a solid if there is a cross-section, and stops, with their gaps if asked for."""
+    """The parts of a joint: a solid if there are cross-sections, masses, and stops, with their gaps if asked for."""
     problem = layout.problem
-    solid = (Solid(layout),) if problem.beam.section else ()
+    solid = (Solid(layout),) if all(piece.section for piece in problem.beam.pieces) else ()
+    masses = (Masses(layout),) if problem.masses else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()
     base = (Base(layout),) if problem.stops or problem.supports else ()
-    return (Beam(layout), *solid, *stops, *base)
+    return (Beam(layout), *solid, *masses, *stops, *base)
 
 
 def _is_wall(support: Support, L: float) -> bool:
@@ -271,7 +315,8 @@ def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
     """For each stop a line of `length`, m, that leads from the beam's surface at rest away from the beam."""
     sign = np.array([stop.sign for stop in layout.problem.stops])
     x = np.repeat([stop.x for stop in layout.problem.stops], 2)
-    z = np.column_stack([sign * layout.half_depth, sign * (layout.half_depth + length)]).ravel()
+    surface = layout.half_depth_at(np.array([stop.x for stop in layout.problem.stops]))
+    z = np.column_stack([sign * surface, sign * np.where(length, layout.half_depth + length, surface)]).ravel()
     return layout.place(x, np.repeat(layout.across, 2), z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
 
 

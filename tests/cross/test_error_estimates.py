@@ -6,14 +6,15 @@ The truth is the same solver refined until another doubling moves it by less tha
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import Any
 
 import numpy as np
 import pytest
+from few_and_many import in_processes
 from population import stiffened_joint
 from refining import AnySolver, doubled, refined, touches
 
@@ -142,40 +143,29 @@ def check_contacts(found: Sequence[Judged]) -> None:
 
 
 QUICK = (4, 8)
+Run = Callable[[Callable[[int], Any], Iterable[int]], Iterable[Any]]
+"""How members of a population are judged: one after the other, or by several processes."""
 
 
+@pytest.mark.parametrize(
+    ("run", "drawn", "count"),
+    [(map, QUICK, 2), pytest.param(in_processes, range(DRAWN), COUNT, marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_a_few_steady_states_hold(solver: AnySolver) -> None:
-    found = [one for one in (judged_steady(solver, i) for i in QUICK) if one is not None]
-    assert len(found) == len(QUICK)
+def test_errors_of_steady_states_hold(solver: AnySolver, run: Run, drawn: Iterable[int], count: int) -> None:
+    results = run(partial(judged_steady, solver), drawn)
+    found = list(islice((one for one in results if one is not None), count))
+    assert len(found) == count
     check_joints([one[0] for one in found])
     for i in range(len(CONTACT_ERRORS)):
         check_contacts([one[1 + i] for one in found])
 
 
+@pytest.mark.parametrize(
+    ("run", "drawn"), [(map, QUICK), pytest.param(in_processes, range(COUNT), marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_a_few_marches_hold(solver: AnySolver) -> None:
-    found = [judged_march(solver, i) for i in QUICK]
-    for i in range(len(CONTACT_ERRORS)):
-        check_contacts([one[i] for one in found])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_steady_states_hold(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        results = (task.result() for task in [pool.submit(judged_steady, solver, i) for i in range(DRAWN)])
-        found = [one for one in results if one is not None][:COUNT]
-    assert len(found) == COUNT
-    check_joints([one[0] for one in found])
-    for i in range(len(CONTACT_ERRORS)):
-        check_contacts([one[1 + i] for one in found])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_marches_hold(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        found = [task.result() for task in [pool.submit(judged_march, solver, i) for i in range(COUNT)]]
+def test_errors_of_marches_hold(solver: AnySolver, run: Run, drawn: Iterable[int]) -> None:
+    found = list(run(partial(judged_march, solver), drawn))
     for i in range(len(CONTACT_ERRORS)):
         check_contacts([one[i] for one in found])

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import warnings
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import pytest
+from few_and_many import in_processes
 from population import driven_joint
 
 import analytic
@@ -79,5 +77,4 @@ def test_the_solvers_agree_on_the_first_contacts_of_a_few_joints() -> None:
 
 @pytest.mark.slow
 def test_the_solvers_agree_on_the_first_contacts_of_many_joints() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check(list(pool.map(compared, range(COUNT))), 4 * COUNT)
+    check(list(in_processes(compared, range(COUNT))), 4 * COUNT)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import pytest
+from few_and_many import in_processes
 from population import harmonic_joint, joint, response_of
 from refining import AnySolver
 from witness import Judgement, reached_from_rest, testify
@@ -71,5 +70,4 @@ def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: 
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 @pytest.mark.parametrize(("drawn", "count"), [(joint, COUNT), (harmonic_joint, HARMONICS)])
 def test_no_certificate_of_random_joints_is_false(solver: AnySolver, drawn: Drawn, count: int) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check([task.result() for task in [pool.submit(judged, solver, drawn, SEED, i) for i in range(count)]])
+    check(in_processes(partial(judged, solver, drawn, SEED), range(count)))

@@ -100,7 +100,7 @@ def contradiction(steady: SteadyState, seen: Seen, period: float) -> str:
         return f"class: certified {steady.outcome.name}, impulses of the march {seen.impulses}"
     if seen.repeats != steady.period_multiple:
         return f"multiple: certified {steady.period_multiple}, march {seen.repeats} ({seen.closure:.1e})"
-    rounding = _TOUCH * period * np.array([stop.stiffness * stop.gap for stop in stops])
+    rounding = _TOUCH * period * np.array([stop.stiffness * abs(stop.gap) for stop in stops])
     allowed = _IMPULSE * float(np.max(np.abs(seen.impulses), initial=0.0)) + rounding
     if np.any(np.abs(seen.impulses - steady.impulses) > allowed):
         return f"impulses: certified {steady.impulses}, march {seen.impulses}"

@@ -1,4 +1,4 @@
-"""A user's own problem: the same comparison, on whatever the file holds."""
+"""A user's own problem: frequencies, first contacts and steady state by both solvers."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
 
 
 def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
-    """The steady state, where the excitation has one frequency."""
+    """The steady state, if the excitation has one frequency."""
     say("steady state")
     point = compare_steady(problem, 40 if level == "quick" else 64)
     notes = [outcome.value for outcome in dict.fromkeys(point.outcomes)]

@@ -17,6 +17,6 @@ CONTROL = Fault(
     "no fault",
     "fe_lapjoint:Assembly._matrices",
     "Two factors change places, and nothing is other than it was: this must not be caught.",
-    old="f[here] += h * one * scale",
-    new="f[here] += one * h * scale",
+    old="inertia * h * m",
+    new="h * inertia * m",
 )

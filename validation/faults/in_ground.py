@@ -16,10 +16,10 @@ GROUND = (
     Fault(
         "gap-of-the-force",
         "a gap read wrong",
-        "lapjoint:History.contact_force",
+        "lapjoint:penetration_of",
         "The force law takes gaps that are 1 % too wide.",
-        old="[stop.gap]",
-        new="[1.01 * stop.gap]",
+        old="sign * seen - gap",
+        new="sign * seen - 1.01 * gap",
     ),
     Fault(
         "rectangle",
@@ -138,8 +138,8 @@ GROUND = (
         "a symmetry assumed",
         "lapjoint:stop_twins",
         "A joint is taken for its own mirror image, though the gaps of its sides differ.",
-        old="(stop.x, stop.gap, stop.stiffness), k",
-        new="(stop.x, 0.0, stop.stiffness), k",
+        old="(stop.place, stop.gap, stop.stiffness), k",
+        new="(stop.place, 0.0, stop.stiffness), k",
     ),
     Fault(
         "harmonic-phase-ignored",

@@ -164,6 +164,15 @@ def check_problem(problem: Problem) -> None:
     for what, parts in (("a record", problem.records), ("random", problem.random)):
         if parts:
             raise InputError(f"{next(iter(parts))}: is {what}; the OpenSees solver knows sums of sines only")
+    for i, stop in enumerate(problem.stops):
+        if stop.in_space:
+            raise InputError(
+                f'stops[{i}].fixed_to = "space": the OpenSees solver knows stops that move with the base only'
+            )
+        if stop.gap < 0:
+            raise InputError(
+                f"stops[{i}].gap = {stop.gap:g}: must be 0 or more, as OpenSees starts without acceleration"
+            )
     base = problem.base_motion
     for i, wave in enumerate(() if base is None else base.waves):
         if base is not None and wave.phase:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from lapjoint import InputError, Problem, SineLoad, StepLoad, paper_joint
-from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.problem import BaseHarmonic, HarmonicsBaseMotion, HarmonicsLoad, LoadHarmonic
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.override import assign

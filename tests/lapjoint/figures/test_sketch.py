@@ -9,7 +9,20 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from lapjoint import Beam, Problem, SineLoad, StepLoad, Stop, Support, paper_joint, sdnl104
+from lapjoint import (
+    Beam,
+    BeamSegment,
+    Gravity,
+    Mass,
+    Problem,
+    SineLoad,
+    StepLoad,
+    Stop,
+    Support,
+    UniformLoad,
+    paper_joint,
+    sdnl104,
+)
 from lapjoint.figures import plot_joint
 from lapjoint.figures.style import figure_of
 
@@ -76,3 +89,28 @@ def test_many_stops_are_counted_and_few_of_them_named() -> None:
 def test_a_name_is_drawn_as_it_is() -> None:
     joint = Problem(beam=BEAM, stops=(Stop(name="$x^2$", x=0.5, side="top", gap=1e-3, stiffness=1e4),))
     assert any(text.startswith(r"\$x^2\$") for text in texts(plot_joint(joint)))
+
+
+def test_everything_that_rests_on_a_joint_is_in_its_sketch() -> None:
+    joint = Problem(
+        beam=Beam(
+            length=0.6,
+            segments=(
+                BeamSegment(to=0.2, bending_stiffness=5e3, mass_per_length=6.0),
+                BeamSegment(to=0.6, bending_stiffness=1e3, mass_per_length=4.0),
+            ),
+        ),
+        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
+        masses=(Mass(x=0.6, mass=0.8, rotary_inertia=4e-4, name="clevis"),),
+        stops=(
+            Stop(x=0.3, side="bottom", gap=-1e-5, stiffness=2e6),
+            Stop(x=0.45, side="top", gap=1e-3, stiffness=1e6, fixed_to="space"),
+        ),
+        gravity=Gravity(acceleration=-9.81),
+        uniform_loads=(UniformLoad(start=0.1, to=0.25, force_per_length=-30.0),),
+    )
+    drawn = " ".join(texts(plot_joint(joint)))
+    for part in ("clevis", "m 0.8 kg", "J 0.0004 kg m2", "interference 1e-05 m", "fixed in space", "9.81 m/s2"):
+        assert part in drawn
+    for part in ("-30 N/m", "0.2", "gap 0.001 m"):
+        assert part in drawn

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import pytest
@@ -80,11 +79,3 @@ def test_the_command_line_says_it_once_and_goes_on(tmp_path: Path) -> None:
     assert result.stderr.count("hint: beam.material.youngs_modulus") == 1
     assert "Natural" in result.stdout
     assert "hint" not in result.stdout
-
-
-def test_usual_ranges_hold_what_they_name() -> None:
-    from lapjoint.problem import hints
-
-    for usual in (hints.YOUNGS_MODULUS, hints.DENSITY, hints.LENGTH):
-        assert usual.low < usual.high
-        assert all(math.isfinite(size) for _, size in usual.slips)

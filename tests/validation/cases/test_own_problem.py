@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import warnings
-from concurrent.futures import ProcessPoolExecutor
 
 import pytest
+from few_and_many import in_processes
 from population import driven_joint
 
 from lapjoint.errors import RecordWarning
@@ -52,8 +50,7 @@ def test_the_witness_of_energy_is_not_misled_by_two_quadratures_that_agree_by_ch
 
 @pytest.mark.slow
 def test_many_problems_of_ones_own_are_judged_and_agree() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        found = list(pool.map(judged, range(COUNT)))
+    found = list(in_processes(judged, range(COUNT)))
     missed = [(title, *one) for title, _, several, _ in found for one in several]
     assert not [(title, failed) for title, _, _, failed in found if failed]
     assert all(ratio <= FAR for _, _, ratio in missed), missed

@@ -32,7 +32,7 @@ from validation.cases import peers
 from validation.invariants import witness
 from validation.peers.opensees import Solver
 from validation.peers.opensees_motion import contacts_of, history_of
-from validation.peers.opensees_script import Record, _repetition, mesh
+from validation.peers.opensees_script import Record, mesh, repetition
 from validation.peers.process import in_another_process
 from validation.verdict import Kind, Verdict
 
@@ -174,9 +174,9 @@ def test_a_peer_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_motion_repeats_when_it_comes_back_and_lower_orders_do_not_nearly() -> None:
-    assert _repetition([0.1, 1e-7, 0.1, 1e-8], 1e-6) == (2, 1e-7)
-    assert _repetition([2e-6, 1e-7], 1e-6)[0] == 0  # still settling to order 1
-    assert _repetition([], 1e-6) == (0, math.inf)
+    assert repetition([0.1, 1e-7, 0.1, 1e-8], 1e-6) == (2, 1e-7)
+    assert repetition([2e-6, 1e-7], 1e-6)[0] == 0  # still settling to order 1
+    assert repetition([], 1e-6) == (0, math.inf)
 
 
 @needs_opensees
