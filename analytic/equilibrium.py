@@ -37,10 +37,18 @@ import numpy as np
 
 from analytic.pivoting import NoSolution, solve
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.answers.equilibrium import Equilibrium, EquilibriumErrors, breaks_of, nothing_holds, nothing_resists
+from lapjoint.answers.equilibrium import (
+    Equilibrium,
+    EquilibriumErrors,
+    RestingStart,
+    breaks_of,
+    nothing_holds,
+    nothing_resists,
+)
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray, Problem, Stop
+from lapjoint.problem import AtEquilibrium, FloatArray, Problem, Stop
 from lapjoint.problem.forces import ConstantForce
+from lapjoint.problem.initial import InitialShape
 from lapjoint.problem.structure import Structure
 
 _ROUNDING = float(np.finfo(float).eps) / 2
@@ -121,6 +129,13 @@ def equilibrium(problem: Problem, name: str) -> Equilibrium:
         error_source="rounding of the answer, which was found in exact arithmetic",
         other_equilibria=found.other_equilibria,
     )
+
+
+def start_of(problem: Problem) -> InitialShape | RestingStart:
+    """The initial state of a problem as functions of x: as it is given, or the equilibrium of this solver."""
+    if isinstance(problem.initial, AtEquilibrium):
+        return RestingStart(equilibrium(problem, "analytic"))
+    return problem.initial
 
 
 @dataclass(frozen=True)

@@ -174,6 +174,43 @@ class Equilibrium(Shown):
         return Extreme(float(places[most, 0]), float(stress[most]), factor * self.errors.moment)
 
 
+@dataclass(frozen=True)
+class RestingStart:
+    """The initial state of a motion that starts at rest in a static equilibrium."""
+
+    found: Equilibrium
+
+    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z(x, 0) or an x-derivative of it.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (...)
+            Positions, m, in an array of any shape.
+        derivative : int
+            Order of the x-derivative, 0 to 3.
+
+        Returns
+        -------
+        FloatArray, shape (...)
+            The derivative, in m over m^derivative, an array shaped like `x`.
+        """
+        return self.found.shape(np.asarray(x, dtype=float), derivative)
+
+    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z_t(x, 0), which is zero, m/s, shaped like `x`. See `RestingStart.displacement_at`."""
+        return np.zeros_like(np.asarray(x, dtype=float))
+
+    def pressed(self, stop: int) -> bool:
+        """Whether a stop presses, whatever the base does; `stop` is its index."""
+        return stop in self.found.state and not self.found.problem.stops[stop].in_space
+
+    def kept_in(self, state: ContactState) -> bool:
+        """Whether the equilibrium is one with the stops of a contact state closed, touching ones among them."""
+        stops = self.found.problem.stops
+        return all(not stops[k].in_space for k in {*state.closed} ^ {*self.found.state.closed})
+
+
 def _moments(found: Equilibrium) -> list[tuple[float, float]]:
     """Places, m, among which the moment is largest, and the moment there, N m.
 
