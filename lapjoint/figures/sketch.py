@@ -196,14 +196,24 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
 
 
 def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
-    """Names, masses and rotary inertias beside the masses, where there is room."""
+    """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
+    room."""
     for mass in problem.masses:
-        lines = [cut_to(literal(mass.name), _NAME_SHOWN)] if mass.name else []
+        name, x = cut_to(literal(mass.name), _NAME_SHOWN), mass.x * scale
+        lines = [name] if name else []
         lines.append(_number("m", mass.mass, "kg"))
         if mass.rotary_inertia:
             lines.append(_number("J", mass.rotary_inertia, "kg m2"))
-        text, x, y = "\n".join(lines), mass.x * scale, _MASS + 0.1 + len(lines) * _LINE / 2
-        _ = page.say(x, y, text, GREY, "center") or page.say(x, -y, text, GREY, "center")
+        text, y = "\n".join(lines), _MASS + 0.1 + len(lines) * _LINE / 2
+        short, aside, near = _number(name or "m", mass.mass, "kg"), _MASS + 0.1, _HALF + 0.05 + _LINE / 2
+        _ = (
+            page.say(x, y, text, GREY, "center")
+            or page.say(x, -y, text, GREY, "center")
+            or page.say(x - aside, near, short, GREY, "right")
+            or page.say(x + aside, near, short, GREY)
+            or page.say(x - aside, -near, short, GREY, "right")
+            or page.say(x + aside, -near, short, GREY)
+        )
 
 
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:

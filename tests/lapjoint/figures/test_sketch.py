@@ -114,3 +114,9 @@ def test_everything_that_rests_on_a_joint_is_in_its_sketch() -> None:
         assert part in drawn
     for part in ("-30 N/m", "0.2", "gap 0.001 m"):
         assert part in drawn
+
+
+def test_a_mass_between_two_stops_is_named_beside_them() -> None:
+    jaws = tuple(Stop(name=side, x=1.5, side=side, gap=1e-3, stiffness=1e6) for side in ("top", "bottom"))
+    drawn = texts(plot_joint(Problem(beam=BEAM, stops=jaws, masses=(Mass(x=1.5, mass=0.8, name="clevis"),))))
+    assert "clevis 0.8 kg" in drawn
