@@ -168,7 +168,8 @@ class Beam(Part):
     contents_per_length: NonNegative = 0.0
     """Mass per unit length of what fills the beam, kg/m; gravity acts on it."""
     added_mass_per_length: NonNegative = 0.0
-    """Mass per unit length of the fluid around the beam that moves with it, kg/m; gravity does not act on it."""
+    """Mass per unit length of the fluid around the beam that moves with it, kg/m; a moving base pushes on it, gravity
+    does not act on it."""
 
     @model_validator(mode="after")
     def _one_description(self) -> Self:
