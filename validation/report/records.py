@@ -160,7 +160,11 @@ def _values(path: str, value: object) -> Iterator[str]:
         besides = f" ({hertz(value)} Hz)" if path.endswith("angular_frequency") else ""
         yield f"{path} = {value:.10g}{besides}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield f"{path} = {_row(value)}"
+        if value and all(isinstance(part, Mapping) for part in value):
+            for i, part in enumerate(value):
+                yield from _values(f"{path}[{i}]", part)
+        else:
+            yield f"{path} = {_row(value)}"
     else:
         yield f"{path} = {value}"
 
