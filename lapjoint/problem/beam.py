@@ -176,7 +176,7 @@ class Beam(Part):
         if self.segments:
             faults = list(self._segment_faults())
         elif not _described_once(self, self.material):
-            faults = ["give either bending_stiffness and mass_per_length, or material and section, and not both"]
+            faults = ["give either bending_stiffness and mass_per_length, or material and section, or segments"]
         else:
             faults = []
         faults = faults or list(self._out_of_range())

@@ -181,7 +181,7 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self.beam, self.stops, self.damping, self.forces)
+        return hints(self.structure, self.gravity, self.forces)
 
     @property
     def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:

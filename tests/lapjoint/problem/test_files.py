@@ -227,7 +227,7 @@ FAULTS: list[tuple[str, str, str]] = [
     ("side", stop('"top"', '"left"'), 'stops[0].side = "left": must be "top" or "bottom"'),
     ("unknown key", stop("gap", "gaap"), "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, gap"),
     ("unknown table", GOOD + "[suports]\nx = 1", "suports: unknown key; did you mean supports?"),
-    ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list"),
+    ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list; above each entry stands [[stops]]"),
     ("not a table", "beam = 3", "beam = 3: must be a table"),
     ("kind", damping('kind = "rayleigh"'), 'damping.kind = "rayleigh": allowed: modal, none, viscous'),
     ("no kind", damping("ratio = 0.1"), "damping.kind: is missing; allowed: modal, none, viscous"),
