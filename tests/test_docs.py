@@ -142,7 +142,6 @@ def test_every_fence_and_formula_is_closed() -> None:
         ("title", "links = []\ntitle"),
         ("[beam]", "[[beam]]"),
         ("450.0 ", "[450.0, 900.0]"),
-        ("gap = 1e-3", "gap = -1e-3"),
         ("gap = 1e-3", "gap = 1e-3\ndamping = 3.0"),
         ("gap = 1e-3", "gap = 1e-3\nfriction = 0.3"),
     ],

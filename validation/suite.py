@@ -39,6 +39,8 @@ _MODULES = {
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
     "sdnd101": "sdnd101",
+    "sdnd102": "sdnd102",
+    "pressed": "pressed",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",

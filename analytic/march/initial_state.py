@@ -13,7 +13,7 @@ import numpy as np
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
-from analytic.march.quadrature import over_beam
+from analytic.march.quadrature import projected
 from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
@@ -33,9 +33,8 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    x, weights = over_beam(problem, modes)
-    weighted = problem.beam.m * modes.shapes(x) * weights
-    return weighted @ problem.initial.displacement_at(x), weighted @ problem.initial.velocity_at(x)
+    initial = problem.initial
+    return projected(problem, modes, initial.displacement_at), projected(problem, modes, initial.velocity_at)
 
 
 def started(joint: Joint) -> Coordinates:

@@ -73,29 +73,33 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
 
     Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The other loads,
     harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are the nodes of the beam; every load acts at a
-    node.
+    node, and every piece of a load ends at one.
     """
-    forces = np.zeros((1 + len(positions), nodes.size))
+    total = Loads(np.zeros((1 + len(positions), nodes.size - 1)), np.zeros((1 + len(positions), nodes.size)))
 
-    def node(x: float) -> int:
-        return int(np.argmin(np.abs(nodes - x)))  # nodes are (x / L) L: a rounding from x, on either side
+    def add(row: int, shape: LoadShape, size: float) -> None:
+        own = acting(shape, nodes)
+        total.distributed[row] += size * own.distributed[0]
+        total.concentrated[row] += size * own.concentrated[0]
 
     for i in state.closed:
         stop = problem.stops[i]
-        forces[0, node(stop.x)] += stop.sign * stop.stiffness * stop.gap
-    uniform = np.zeros(forces.shape[0])
-
-    def add(row: int, shape: LoadShape, size: float) -> None:
-        for x, force in shape.points:
-            forces[row, node(x)] += size * force
-        for _, _, force in shape.pieces:
-            uniform[row] += size * force
-
+        add(0, LoadShape.at(stop.x), stop.sign * stop.stiffness * stop.gap)
     for load in problem.forces.constant:
         add(0, load.shape, load.force)
     for row, shape in enumerate(positions, start=1):
         add(row, shape, 1.0)
         for stop in (problem.stops[i] for i in state.closed if shape == MOVED_STOPS):
             if stop.in_space:
-                forces[row, node(stop.x)] -= stop.stiffness
-    return Loads(uniform, forces)
+                add(row, LoadShape.at(stop.x), -stop.stiffness)
+    return total
+
+
+def acting(shape: LoadShape, nodes: FloatArray) -> Loads:
+    """One load of size 1 on a beam with `nodes`, m, ascending, which the load's edges are among, to rounding."""
+    middle, loads = (nodes[:-1] + nodes[1:]) / 2, Loads(np.zeros((1, nodes.size - 1)), np.zeros((1, nodes.size)))
+    for x, force in shape.points:
+        loads.concentrated[0, np.argmin(np.abs(nodes - x))] += force  # nodes are (x / L) L: a rounding from x
+    for start, end, force in shape.pieces:
+        loads.distributed[0, (middle > start) & (middle < end)] += force
+    return loads

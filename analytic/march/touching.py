@@ -26,7 +26,7 @@ import math
 import numpy as np
 
 from analytic.march.joint import Joint
-from analytic.march.quadrature import over_beam
+from analytic.march.quadrature import mass_weighted, over_beam
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
@@ -143,9 +143,7 @@ def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
 def _velocities(joint: Joint, state: ContactState) -> Rounded:
     """Modal velocities at t = 0, kg^1/2 m/s, shape ``(N,)``."""
     problem, modes = joint.problem, joint.modal(state).modes
-    x, weights = over_beam(problem, modes)
-    weighted, speed = problem.beam.m * modes.shapes(x) * weights, problem.initial.velocity_at(x)
-    return _or_nothing(weighted @ speed, _ROUNDING * np.abs(weighted) @ np.abs(speed))
+    return _summed(mass_weighted(problem, modes, problem.initial.velocity_at))
 
 
 def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
@@ -156,11 +154,16 @@ def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     springs = [(it.x, 0, it.translational) for it in problem.supports]
     springs += [(it.x, 1, it.torsional) for it in problem.supports]
     springs += [(problem.stops[k].x, 0, problem.stops[k].stiffness) for k in state.closed]
-    parts = [(problem.beam.EI * modes.shapes(x, 2) * weights, shape(x, 2))]
+    parts = [(problem.beam.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
     for place, derivative, stiffness in springs:
         if 0 < stiffness < math.inf:
             at = np.array([place])
             parts.append((stiffness * modes.shapes(at, derivative), shape(at, derivative)))
+    return _summed(parts)
+
+
+def _summed(parts: list[tuple[FloatArray, FloatArray]]) -> Rounded:
+    """The sum of products of arrays, ``(N, points)`` and ``(points,)`` each."""
     total, size = (
         np.sum([one @ other for one, other in each], axis=0)
         for each in (parts, [(np.abs(one), np.abs(other)) for one, other in parts])

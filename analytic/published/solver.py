@@ -150,17 +150,12 @@ class PublishedScheme:
             If the march cannot go on.
         """
         problem.check_duration(duration)
-        if problem.records:
-            raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
-        if problem.random:
-            path = next(iter(problem.random))
-            raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
+        _refuse_what_was_not_published(problem)
         from analytic.published.field import history_of
         from analytic.published.initial_state import started
         from analytic.published.joint import PublishedJoint
         from analytic.published.march import march_published
 
-        _check_stops(problem)
         joint = PublishedJoint(problem, self.free_modes, self.contact_modes)
         begin = started(joint, None)
         motion = march_published(joint, begin, float(duration), shortest=self.shortest, progress=progress)
@@ -207,7 +202,7 @@ class PublishedScheme:
             If the march cannot go on.
         """
         problem.require_excitation_frequency("steady state")
-        _check_stops(problem)
+        _refuse_what_was_not_published(problem)
         from analytic.published import steady
 
         how_long = steady.Patience(
@@ -217,8 +212,21 @@ class PublishedScheme:
         return steady.steady_state(problem, self.name, counts, how_long, start, progress)
 
 
-def _check_stops(problem: Problem) -> None:
-    """Refuse stops fixed in space, which the scheme does not have."""
+def _refuse_what_was_not_published(problem: Problem) -> None:
+    """Raise `InputError` where a problem has what the published equations do not have."""
+    if problem.records:
+        raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
+    if problem.random:
+        path = next(iter(problem.random))
+        raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
+    for field, value, allowed in (
+        ("masses", problem.masses, "beams without masses"),
+        ("beam.segments", problem.beam.segments, "uniform beams"),
+        ("gravity", problem.gravity, "loads at points"),
+        ("uniform_loads", problem.uniform_loads, "loads at points"),
+    ):
+        if value:
+            raise InputError(f"{field}: the published scheme knows none; allowed are {allowed}")
     for i, stop in enumerate(problem.stops):
         if stop.in_space:
             raise InputError(f'stops[{i}].fixed_to = "space": the published scheme knows stops that move with the base')

@@ -251,6 +251,8 @@ def window_of(model: Model, state: ContactState) -> float:
 
     The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed, if that
     mode is slower: on springs that are soft compared with the beam, the joint swings as a rigid body and hardly bends.
+    The mode counts with the frequency that it would have without the masses, about: beside a heavy mass, which moves
+    slowly, the beam may rattle as fast as without it.
     The search is by bounds, which hold in a window of any length.  A library method gives no bounds; its windows depend
     on bending alone.
     """
@@ -258,7 +260,9 @@ def window_of(model: Model, state: ContactState) -> float:
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
     if model.method == "exact":
         omega = model.system(ContactState(tuple(range(model.sign.size)))).omega
-        slow = min(slow, float(omega[omega > 0].min(initial=math.inf)))
+        carried = sum(mass.mass + mass.rotary_inertia / beam.length**2 for mass in model.problem.masses)
+        lighter = math.sqrt(1 + carried / (beam.m * beam.length))
+        slow = min(slow, lighter * float(omega[omega > 0].min(initial=math.inf)))
     return 2 * math.pi / float(max([slow, *model.system(state).driven])) / WINDOWS_PER_PERIOD
 
 

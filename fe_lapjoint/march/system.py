@@ -138,8 +138,15 @@ class System:
         """The `place_amplitudes` of the place of each stop, m, shape ``(P, H)``."""
         return np.asarray(self.place_amplitudes[self.place_of])
 
+    @cached_property
+    def sees_base(self) -> bool:
+        """Whether the gap of any stop sees the motion of the base."""
+        return bool(self.seen.any())
+
     def seen_motion(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of the y that each stop's gap sees at times ``(m,)``: m s^-dt, ``(P, m)``."""
+        if not self.sees_base:
+            return np.zeros((self.place_of.size, t.size))
         angle = self.driven[:, None] * t + self.phase[:, None]
         waves = ((1j * self.driven[:, None]) ** dt * np.exp(1j * angle)).imag
         return np.asarray((self.seen @ waves)[self.place_of])

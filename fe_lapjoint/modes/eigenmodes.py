@@ -6,10 +6,11 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import cholesky, eigh, solve_triangular
+from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, NoDamping, Problem, Stop
 from lapjoint.problem.structure import Structure, structure_of
 
@@ -191,7 +192,10 @@ def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
     square, direct = eigh(K, M)
     sigma = unit if square[0] < unit else 0.0
     c = 1 / np.sqrt(np.diag(K + sigma * M))
-    low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
+    try:
+        low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
+    except LinAlgError:
+        raise _singular(assembly) from None
     middle = np.sqrt(max(square[0] + sigma, unit) * max(square[-1], unit))
     split = int(np.count_nonzero(square < middle))
     return np.concatenate((low[:, :split], direct[:, split:]), axis=1)
@@ -203,3 +207,13 @@ def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
     for _ in range(2):
         V = solve_triangular(cholesky(V.T @ M @ V), V.T, trans="T").T
     return V
+
+
+def _singular(assembly: Assembly) -> SolverError:
+    """What is wrong with a mesh whose stiffness is singular to rounding, and what to change."""
+    h, EI = np.diff(assembly.nodes), [piece.EI for piece in assembly.problem.beam.pieces]
+    return SolverError(
+        f"the stiffness of the mesh is singular to rounding: its elements are {h.min():.3g} to {h.max():.3g} m long, "
+        f"and EI changes by a factor of {max(EI) / min(EI):.3g} along the beam; take fewer elements, or nodes farther "
+        "apart"
+    )

@@ -55,10 +55,10 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
     if given is not None:
         return _with_given(required, given, L)
     waves = _waves(problem.beam, (required[:-1] + required[1:]) / 2)
-    pieces = [
-        np.linspace(a, b, max(1, round(elements * (b - a) / L * wave)) + 1)[:-1]
-        for (a, b), wave in zip(itertools.pairwise(required), waves.tolist(), strict=True)
-    ]
+    pieces = []
+    for (a, b), wave in zip(itertools.pairwise(required), waves.tolist(), strict=True):
+        count = min(round(elements * (b - a) / L * wave), math.floor((b - a) / (CLOSE * L)))
+        pieces.append(np.linspace(a, b, max(1, count) + 1)[:-1])
     return np.concatenate([*pieces, required[-1:]])
 
 

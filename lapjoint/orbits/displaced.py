@@ -25,8 +25,6 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
-_HELD = 1e-9
-"""Least stiffness against a rigid-body motion of unit size with which supports hold this motion."""
 _IMMOVABLE = 1e-12
 """Compliance at a place, in units of L^3 / EI, below which a support holds the place; rounding of the shapes is
 smaller."""
@@ -110,10 +108,7 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 def check_held(problem: Problem, what: str) -> None:
     """Refuse a problem whose supports leave a rigid-body motion free; `what` names the purpose in the message."""
-    L = problem.beam.length
-    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
-    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
-    if not rows or np.linalg.matrix_rank(np.array(rows), tol=_HELD) < 2:
+    if problem.structure.free_motions:
         raise InputError(
             f"{what}: without contact the supports leave the beam free to move as a rigid body, so that a force has no "
             "static shape and no energy bounds its motion"

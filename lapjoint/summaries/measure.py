@@ -128,7 +128,7 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     ratio.
     """
     omega = _lowest_modes(problem, solver)
-    damping, bends = problem.damping, omega > 1e-6 * omega.max()
+    damping, bends = problem.damping, np.arange(omega.size) >= problem.structure.free_motions
     if isinstance(damping, ModalDamping):
         rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):

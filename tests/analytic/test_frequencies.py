@@ -17,6 +17,13 @@ from tests.helpers.dynamic_stiffness import dynamic_stiffness_count
 DIGITS = 50
 
 
+def uniform_layout(x: list[float], translational: list[float], torsional: list[float]) -> Layout:
+    """A uniform beam without masses."""
+    nodes, spans = np.zeros(len(x)), np.ones(len(x) - 1)
+    at = (np.array(values, dtype=float) for values in (x, translational, torsional))
+    return Layout(*at, mass=nodes, rotary=nodes, stiffness=spans, wave=spans)
+
+
 springs = st.one_of(st.just(0.0), st.just(math.inf), st.integers(0, 15).map(lambda n: 10.0**n), st.floats(1.0, 1e15))
 positions = st.lists(st.integers(1, 39), max_size=3, unique=True).map(sorted)
 
@@ -67,7 +74,7 @@ def test_count_by_signs_agrees_with_the_dynamic_stiffness_in_fifty_digits(layout
     ids=["cantilever", "clamped-clamped", "pinned-pinned", "clamped-pinned", "sliding-sliding"],
 )
 def test_textbook_beams_satisfy_their_characteristic_equations_up_to_sixty_modes(left, right, equation) -> None:
-    layout = Layout(np.array([0.0, 1.0]), np.array([left[0], right[0]], float), np.array([left[1], right[1]], float))
+    layout = uniform_layout([0.0, 1.0], [left[0], right[0]], [left[1], right[1]])
     roots = frequencies(layout, 60)
     elastic = roots[roots > 0]
     with mp.workdps(DIGITS):
@@ -80,7 +87,7 @@ def test_textbook_beams_satisfy_their_characteristic_equations_up_to_sixty_modes
 
 
 def test_nearly_equal_frequencies_come_out_as_two() -> None:
-    layout = Layout(np.array([0, 0.5, 1.0]), np.array([0, 1e9, 0]), np.array([0, 1e9, 0.0]))
+    layout = uniform_layout([0, 0.5, 1.0], [0, 1e9, 0], [0, 1e9, 0])
     z = frequencies(layout, 2)
     assert 0 < z[1] - z[0] < 1e-6
     middle = np.array([z[0] * (1 - 1e-12), (z[0] + z[1]) / 2, z[1] * (1 + 1e-12)])

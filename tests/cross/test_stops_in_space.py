@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import cmath
-import math
 import multiprocessing
 import os
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -16,12 +13,11 @@ import pytest
 from beams import unit_cantilever
 from preloaded import ANALYTIC, CERTIFICATES, COARSE, COUNT, SOLVERS, check, judged, spatial_joint, witnessed
 from refining import AnySolver
-from scipy.optimize import brentq
 from settled import orbit_of
 
 import analytic
 import fe_lapjoint
-from lapjoint import Axis, BaseMotion, Beam, Problem, Stop, Support
+from lapjoint import Axis, Problem, Stop
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.campaigns.grid import Grid
 from lapjoint.errors import InputError
@@ -32,6 +28,7 @@ from lapjoint.orbits.branches.starts import of_motion
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, excitation_change
 from lapjoint.orbits.period_map import Tangent
 from lapjoint.problem import FloatArray, RandomBaseMotion, RecordBaseMotion, ViscousDamping
+from validation.cases.sdnd102 import DURATION, as_published, beam
 from validation.invariants import energy, gaps, power, stated_impulses
 from validation.verdict import Verdict
 
@@ -67,90 +64,16 @@ def test_no_certificate_of_joints_with_stops_in_space_is_false(solver: AnySolver
         check(list(pool.map(partial(judged, spatial_joint, solver), range(CERTIFICATES))))
 
 
-# A mass on a spring beside a wall that stands still, SDND102 of Code_Aster's validation manual
-
-MASS, SPRING, RATIO, PULSE = 25.0, 98_696.0, 0.07, 20 * math.pi  # kg, N/m, 1, rad/s
-WALL, GAP = 5.76e7, 0.5e-3  # N/m, m
-DURATION = 1.0  # s
-RIGID, SOFTER = 1e12, 0.01  # N m2; and a bar a hundredth as stiff
+RIGID, SOFTER = 1e12, 0.01  # N m2, of a bar 1 m long beside a wall; and a bar a hundredth as stiff
 OFF = 1e-6  # of the duration, the largest impulse and each peak: that bar bends, by 1e-7
-
-
-@dataclass(frozen=True)
-class Hit:
-    """One contact of a mass."""
-
-    start: float
-    end: float
-    impulse: float
-    peak: float
-
-
-def base(t: float) -> tuple[float, float]:
-    """y and y' of the base, whose acceleration is sin(PULSE t)."""
-    return -math.sin(PULSE * t) / PULSE**2, -math.cos(PULSE * t) / PULSE
-
-
-def mass_against_a_wall(duration: float) -> list[Hit]:
-    """The contacts of one mass by its closed form between switches; a switch is looked for on a fine grid."""
-    drag, z, v, t, pressed, hits = 2 * RATIO * math.sqrt(SPRING / MASS), 0.0, 0.0, 0.0, False, []
-    while t < duration:
-        k = (SPRING + WALL * pressed) / MASS
-        # z'' + drag z' + k z = -y'' - wall (y - gap) of the pressed wall, on exp(i PULSE t)
-        force = -1.0 + (WALL / MASS / PULSE**2 if pressed else 0.0)
-        answer, still = force / (k - PULSE**2 + 1j * drag * PULSE), (WALL * GAP / MASS / k if pressed else 0.0)
-        root = -drag / 2 + 1j * math.sqrt(k - drag**2 / 4)
-        now = answer * cmath.exp(1j * PULSE * t)
-        x, y = z - still - now.imag, v - PULSE * now.real
-        free = x - 1j * (y - root.real * x) / root.imag
-
-        def at(
-            s: float,
-            t: float = t,
-            free: complex = free,
-            root: complex = root,
-            answer: complex = answer,
-            still: float = still,
-        ) -> tuple[float, float]:
-            wave, own = answer * cmath.exp(1j * PULSE * (t + s)), free * cmath.exp(root * s)
-            return still + wave.imag + own.real, PULSE * wave.real + (root * own).real
-
-        def depth(s: float, t: float = t, at: Callable[[float], tuple[float, float]] = at) -> float:
-            return at(s)[0] + base(t + s)[0] - GAP
-
-        step, s = 2 * math.pi / math.sqrt(k) / 400, 0.0
-        sign = -1.0 if pressed else 1.0
-        s = step * 1e-3
-        while sign * depth(s + step) < 0 and t + s < duration:
-            s += step
-        if t + s >= duration:
-            break
-        end = brentq(depth, s, s + step, xtol=1e-16)
-        if pressed:
-            grid = np.linspace(0.0, end, 20001)
-            pushed = WALL * np.array([max(depth(float(one)), 0.0) for one in grid])
-            hits.append(Hit(t, t + end, float(np.trapezoid(pushed, grid)), float(pushed.max())))
-        (z, v), t, pressed = at(end), t + end, not pressed
-    return hits
-
-
-def bar_beside_a_wall(EI: float) -> Problem:
-    """A bar on two springs that only translates and bends a little, as all its parts are symmetric."""
-    return Problem(
-        beam=Beam(length=1.0, bending_stiffness=EI, mass_per_length=MASS),
-        supports=tuple(Support(x=x, translational=SPRING / 2) for x in (0.0, 1.0)),
-        stops=(Stop(x=0.5, side="top", gap=GAP, stiffness=WALL, fixed_to="space"),),
-        damping=ViscousDamping(coefficient=2 * RATIO * math.sqrt(SPRING * MASS)),
-        base_motion=BaseMotion(amplitude=1 / PULSE**2, angular_frequency=PULSE, phase=math.pi),
-    )
 
 
 @pytest.mark.parametrize("solver", [analytic.Solver(n_modes=4), fe_lapjoint.Solver(elements=2)])
 def test_a_mass_meets_a_wall_fixed_in_space_as_its_closed_form_does(solver: AnySolver) -> None:
-    hits, off = mass_against_a_wall(DURATION), []
-    assert max(hit.peak for hit in hits) > 1100.0
+    mass, off = as_published(), []
+    hits = mass.hits(DURATION)
     for EI in (SOFTER * RIGID, RIGID):
-        contacts = solver.simulate(bar_beside_a_wall(EI), DURATION, errors=False).contacts
+        contacts = solver.simulate(beam(mass, EI), DURATION, errors=False).contacts
         assert len(contacts) == len(hits) == 10
         largest = max(hit.impulse for hit in hits)
         starts = [abs(c.start - hit.start) / DURATION for c, hit in zip(contacts, hits, strict=True)]

@@ -74,16 +74,17 @@ def spatial_joint(seed: int, index: int) -> Problem:
 def off_by(history: History, seen: BruteMotion) -> tuple[float, float]:
     """How far a motion is from the witness: its displacement at the stops, and its first contacts, infinite if others.
 
-    Displacements are over the largest; starts over the duration; impulses and peaks over the largest of each.
+    Displacements are compared up to the end of these contacts, and are over the largest; starts are over the duration;
+    impulses and peaks over the largest of each.
     """
-    problem, t = history.problem, np.linspace(0.0, min(seen.t[-1], history.end), 60)
+    size = max((abs(c.impulse) for c in seen.contacts), default=0.0)
+    both = history.contacts, seen.contacts
+    one, other = ([c for c in them if abs(c.impulse) > LIGHT * size][:FIRST] for them in both)
+    until = max((c.end for c in other), default=math.inf)
+    problem, t = history.problem, np.linspace(0.0, min(seen.t[-1], history.end, until), 60)
     marched = np.array([np.interp(t, seen.t, z) for z in seen.z])
     x = np.array([stop.x for stop in problem.stops])
     apart = float(np.abs(history.displacement(x, t) - marched).max() / np.abs(marched).max())
-    size = max((abs(c.impulse) for c in seen.contacts), default=0.0)
-    one, other = (
-        [c for c in them if abs(c.impulse) > LIGHT * size][:FIRST] for them in (history.contacts, seen.contacts)
-    )
     if [c.stop for c in one] != [c.stop for c in other]:
         return apart, math.inf
     worst, peak = 0.0, max((c.peak for c in other), default=1.0)

@@ -17,7 +17,7 @@ from fe_lapjoint.march.system import build_system
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from fe_lapjoint.modes.mesh import CLOSE, mesh_nodes, split_elements
-from lapjoint import FREE, Beam, InputError, Problem, Support
+from lapjoint import FREE, Beam, InputError, Problem, SolverError, Support
 from lapjoint.problem import BeamSegment, FloatArray, Gravity, Mass, UniformLoad
 from lapjoint.problem.load_shape import LoadShape
 
@@ -114,7 +114,7 @@ def test_a_mass_that_vanishes_changes_nothing() -> None:
         assert 1 - found / bare == pytest.approx(2 * size, rel=0.02, abs=1e-13)
 
 
-@pytest.mark.parametrize("size", [1e4, 1e7, 1e10, 1e14])
+@pytest.mark.parametrize("size", [1e4, 1e8, 1e12])
 def test_a_mass_that_grows_pins_the_tip(size: float) -> None:
     pinned = frequencies(Problem(beam=UNIT, supports=(CLAMP, Support(x=1.0, translational=math.inf))), 3)
     found = frequencies(cantilever(UNIT, Mass(x=1.0, mass=size)))
@@ -154,6 +154,18 @@ def test_elements_follow_the_waves_of_each_piece() -> None:
     assert h[nodes[:-1] < 0.5].max() == pytest.approx(10 * h[-1], rel=0.15)
     assert abs(h.size - 44) <= 1
     assert mesh_nodes(cantilever(), 44, None).size == 45
+
+
+def test_no_element_is_shorter_than_what_is_refused() -> None:
+    nodes = mesh_nodes(cantilever(stepped((0.5, 1e9, 1.0), (0.501, 1.0, 1.0), (1.0, 1e9, 1.0))), 1000, None)
+    assert np.diff(nodes).min() >= CLOSE * (1 - 1e-9)
+
+
+def test_a_mesh_that_double_precision_cannot_hold_is_refused() -> None:
+    beam = stepped((0.5, 1e9, 1.0), (1.0, 1.0, 1.0))
+    nodes = tuple(np.union1d(np.linspace(0.0, 0.015, 101), np.linspace(0.02, 1.0, 20)).tolist())
+    with pytest.raises(SolverError, match=r"singular to rounding: its elements are 0.00015 to .* a factor of 1e"):
+        fe_lapjoint.Solver(nodes=nodes).modes(Problem(beam=beam), FREE, 4)
 
 
 @pytest.mark.parametrize("at", [CLOSE / 2, 1e-7])

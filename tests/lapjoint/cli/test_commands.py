@@ -13,7 +13,7 @@ import xarray as xr
 from command_line import FEW, PAPER, assert_refused, run, run_well
 
 from analytic import Solver
-from lapjoint import FREE, ContactState, Outcome, Stop, paper_joint, time_series, write_problem
+from lapjoint import FREE, ContactState, Outcome, StepLoad, Stop, paper_joint, time_series, write_problem
 from lapjoint.cli.options import DRAWINGS
 from lapjoint.figures.text import error_text
 from lapjoint.problem.example import commented_example
@@ -247,3 +247,11 @@ def test_a_motion_that_touches_nothing_says_how_near_it_comes() -> None:
     stop, part, gap = ("P5", middle / 0.5, 0.5) if middle / 0.5 > tip else ("P2", tip, 1.0)
     assert f"\nNearest to a stop: {stop}, {100 * part:.3g} % of its gap of {gap:g} m\n" in printed
     assert "Nearest" not in run_well("steady", PAPER, *FEW, "--no-errors")
+
+
+def test_a_stop_that_would_press_the_straight_beam_is_told_to_be_some_way_off(tmp_path: Path) -> None:
+    path = tmp_path / "pushed.toml"
+    stop = Stop(x=2.5, side="top", gap=-1e-3, stiffness=1e3)
+    write_problem(paper_joint().replace(stops=(stop,), point_loads=(StepLoad(x=2.5, force=-1e7),)), path)
+    printed = run_well("steady", path, *FEW, "--no-errors", "--set", "base_motion.amplitude=1e-6")
+    assert "Nearest to a stop: stop 1, at a distance of " in printed

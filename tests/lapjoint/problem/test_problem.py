@@ -33,7 +33,7 @@ from lapjoint import (
     paper_joint,
     sdnl104,
 )
-from lapjoint.problem import AtRest
+from lapjoint.problem import AtRest, BeamSegment, Mass
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=5.0)
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
@@ -171,6 +171,10 @@ def pins(*places: float) -> tuple[Support, ...]:
     return tuple(Support(x=x, translational=math.inf) for x in places)
 
 
+def segment(to: float, EI: float, m: float) -> BeamSegment:
+    return BeamSegment(to=to, bending_stiffness=EI, mass_per_length=m)
+
+
 REFUSED: list[tuple[str, dict[str, Any], str]] = [
     ("stop outside", {"stops": (Stop(x=2.1, side="top", gap=0.0, stiffness=1.0),)}, r"stops\[0\]\.x = 2\.1.*0 to 2 m"),
     ("support outside", {"supports": (Support(x=3.0),)}, r"supports\[0\]\.x = 3.*0 to 2 m"),
@@ -194,6 +198,26 @@ REFUSED: list[tuple[str, dict[str, Any], str]] = [
         "a stop too stiff for double precision",
         {"stops": (Stop(x=1.0, side="top", gap=1e-3, stiffness=1e30),)},
         r"stops\[0\]\.stiffness = 1e\+30: is .* EI / length\^3; allowed are up to 1e\+13 EI / length\^3, which is",
+    ),
+    (
+        "a mass too heavy for double precision",
+        {"masses": (Mass(x=1.0, mass=1e30),)},
+        r"masses\[0\]\.mass = 1e\+30: is .* times the beam's mass; allowed are up to 1e\+12 times, which is",
+    ),
+    (
+        "a rotary inertia too large for double precision",
+        {"masses": (Mass(x=1.0, mass=1.0, rotary_inertia=1e30),)},
+        r"masses\[0\]\.rotary_inertia = 1e\+30: is .* mass times length\^2; allowed are up to 1e\+12 times",
+    ),
+    (
+        "a step too large for double precision",
+        {"beam": Beam(length=2.0, segments=(segment(1.0, 1.0, 1.0), segment(2.0, 1e10, 1.0)))},
+        r"beam\.segments\[1\]: its bending stiffness is 1e\+10 times that of segments\[0\]; allowed are up to 1e\+09",
+    ),
+    (
+        "a step of mass too large for double precision",
+        {"beam": Beam(length=2.0, segments=(segment(1.0, 1.0, 1e10), segment(2.0, 1.0, 1.0)))},
+        r"beam\.segments\[0\]: its mass per length is 1e\+10 times that of segments\[1\]; allowed are up to 1e\+09",
     ),
     (
         "a start that moves a clamp",
@@ -242,7 +266,7 @@ def test_parts_that_do_not_fit_together_or_hold_numbers_out_of_range_are_refused
     parts: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
-        Problem(beam=BEAM, **parts)
+        Problem(**{"beam": BEAM} | parts)
 
 
 def test_numbers_that_vanish_beside_all_else_are_allowed() -> None:

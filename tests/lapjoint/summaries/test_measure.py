@@ -11,7 +11,9 @@ from beams import unit_cantilever
 from stretches import Cutting
 
 import analytic
+import fe_lapjoint
 from lapjoint import Beam, InputError, ModalDamping, NoDamping, Problem, Stop, ViscousDamping, paper_joint
+from lapjoint.problem import Mass
 from lapjoint.summaries.measure import LONG, SETTLED, UNITS, Measure, measure, sums_of
 from lapjoint.summaries.quantities import DEFAULT, STATIONS, selection
 from lapjoint.summaries.table import remarks, table
@@ -40,6 +42,14 @@ def test_the_slowest_mode_says_how_long_a_motion_settles(damping: ModalDamping |
     found = of(CANTILEVER.replace(damping=damping), 1e5)
     assert found.settle == pytest.approx(SETTLED / rate, rel=1e-4)
     assert found.decay_time == pytest.approx(1 / rate, rel=1e-4)
+
+
+def test_a_heavy_mass_makes_a_slow_mode_that_counts() -> None:
+    """A mode 1e7 times as slow as the others is no motion as a rigid body."""
+    heavy = CANTILEVER.replace(masses=(Mass(x=1.0, mass=0.5e11),))
+    slowest = math.sqrt(3 * 2.0 / 0.5e11)
+    found = measure(selection(heavy), fe_lapjoint.Solver(elements=8), 1e12, rate=1e-6)
+    assert found.settle == pytest.approx(SETTLED / (0.05 * slowest), rel=1e-6)
 
 
 def test_units_are_long_against_the_correlation_and_no_more_than_needed() -> None:
