@@ -34,6 +34,7 @@ _MODULES = {
     "balance": "balance",
     "ledger": "ledger",
     "textbook": "textbook",
+    "masses-and-steps": "masses_and_steps",
     "table4": "table4",
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
