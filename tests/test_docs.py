@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 from pages import assert_session, blocks
 
+from lapjoint import AtEquilibrium
 from lapjoint.cli.main import main
 from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
@@ -49,13 +50,14 @@ def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: 
     rows = (f"{i / 1000},{i % 3}" for i in range(9))
     Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
     page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
-    whole, *other_bases = blocks("toml", page)
+    whole, *other_bases, pressed = blocks("toml", page)
     problem = from_toml(whole)
     assert len(other_bases) == 3
     for other_base in other_bases:
         other = from_toml(whole.split("[base_motion]")[0] + other_base)
         assert other.replace(base_motion=problem.base_motion) == problem
     assert problem.stop_names == ("tip",)
+    assert from_toml(f"{whole}\n{pressed}").initial == AtEquilibrium()
 
 
 def test_the_session_of_the_page_on_sweeps_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

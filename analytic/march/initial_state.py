@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from analytic.equilibrium import start_of
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
@@ -18,6 +19,7 @@ from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
@@ -33,14 +35,27 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    initial = problem.initial
+    initial = start_of(problem)
     return projected(problem, modes, initial.displacement_at), projected(problem, modes, initial.velocity_at)
 
 
 def started(joint: Joint) -> Coordinates:
     """The coordinates of the initial state, in the contact state at t = 0."""
     state, held = starting_state(joint)
-    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes), held)
+    q, v = initial_coordinates(joint.problem, joint.modal(state).modes)
+    return Coordinates(state, _at_rest(joint, state, q), v, held)
+
+
+def _at_rest(joint: Joint, state: ContactState, q: FloatArray) -> FloatArray:
+    """Modal displacements, kg^1/2 m, ``(N,)``: in a static equilibrium those that the constant loads hold, to the bit.
+
+    Rigid-body modes, which no load holds, keep their own `q`.
+    """
+    start = start_of(joint.problem)
+    if not isinstance(start, RestingStart) or not start.kept_in(state):
+        return q
+    flat = joint.flat(state)
+    return np.where(flat.omega > 0, flat.static[:, 0] * joint.sizes[0], q)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:

@@ -128,6 +128,7 @@ phase = 0.0                   # rad
 # force_per_length = -200.0   # N/m, positive upwards
 
 [initial]
-kind = "rest"                 # "rest", "polynomial" (displacement and velocity: coefficients of 1, x, x^2 ...)
-                              # or "sampled" (x, displacement, velocity: lists of equal length)
+kind = "rest"                 # "rest", "equilibrium" (at rest under the static loads), "polynomial" (displacement
+                              # and velocity: coefficients of 1, x, x^2 ...) or "sampled" (x, displacement, velocity:
+                              # lists of equal length)
 """

@@ -18,7 +18,7 @@ import numpy as np
 from lapjoint.problem.beam import LEAST, MOST, NEAREST
 from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtRest, InitialState
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import Structure
@@ -205,7 +205,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
 
 def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, length, 101)
     with np.errstate(all="ignore"):

@@ -17,7 +17,7 @@ from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
-from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
@@ -414,7 +414,7 @@ def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
 
 def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
     initial = problem.initial
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, problem.beam.length, 101)
     for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):

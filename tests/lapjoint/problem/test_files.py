@@ -35,7 +35,7 @@ from lapjoint import (
     sdnl104,
 )
 from lapjoint.errors import OutputError
-from lapjoint.problem import AtRest, BaseHarmonic, LoadHarmonic
+from lapjoint.problem import AtEquilibrium, AtRest, BaseHarmonic, LoadHarmonic
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
@@ -81,6 +81,7 @@ def problems(draw: st.DrawFn) -> Problem:
     initial = draw(
         st.one_of(
             st.just(AtRest()),
+            st.just(AtEquilibrium()),
             st.builds(lambda a, b: PolynomialShape(displacement=(0, 0, 0, a), velocity=(b,)), finite, finite),
             st.builds(
                 lambda values: SampledShape(x=(0.0, L / 4, L / 2, L), velocity=values),
