@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
     "as-given": "as_given",
+    "parts-as-given": "parts_as_given",
     "pinned-beam": "pinned_beam",
     "records": "records",
     "random-signal": "random_signal",
