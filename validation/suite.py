@@ -42,6 +42,7 @@ _MODULES = {
     "sdnl104": "sdnl104",
     "sdnd101": "sdnd101",
     "sdnd102": "sdnd102",
+    "sdnd108": "sdnd108",
     "pressed": "pressed",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
