@@ -44,6 +44,7 @@ _MODULES = {
     "sdnd102": "sdnd102",
     "sdnd108": "sdnd108",
     "pressed": "pressed",
+    "limits": "limits",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",
