@@ -45,6 +45,8 @@ _MODULES = {
     "sdnd108": "sdnd108",
     "pressed": "pressed",
     "limits": "limits",
+    "resting": "resting",
+    "together": "together",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",
