@@ -175,7 +175,10 @@ def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
         return lambda level, say: part(problem, level, say)
 
-    runs = {"frequencies": bound(own_problem.frequencies), "transient": bound(own_problem.transient)}
+    runs = {"frequencies": bound(own_problem.frequencies)}
+    if own_problem.has_equilibrium(problem):
+        runs["equilibrium"] = bound(own_problem.equilibrium)
+    runs["transient"] = bound(own_problem.transient)
     if problem.excitation_frequency is not None:
         runs["steady"] = bound(own_problem.steady)
     unknown = [name for name in cases if name not in runs]
