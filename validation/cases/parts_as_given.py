@@ -13,6 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from lapjoint import FREE, History, Problem
+from lapjoint.orbits import parameters
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
 from lapjoint.problem.load_shape import LoadShape
@@ -209,6 +210,18 @@ def loads(problem: Problem) -> Iterator[Check]:
             yield same(f"uniform load {i + 1}: {what}", found_value, exact, "N/m" if what == "force" else "m")
 
 
+def by_excitation(problem: Problem) -> Iterator[Check]:
+    """Derivatives of the logarithms of all amplitudes by those of the base's motion: Y omega^2 of the inertia, and Y of
+    what the stops in space see."""
+    known = {parameters.FREQUENCY: (2 / OMEGA, 0.0, 1 / OMEGA), parameters.AMPLITUDE: (*(1 / AMPLITUDE,) * 2, 0.0)}
+    for path, exact in known.items():
+        change = parameters.excitation_change(problem, path)
+        assert change is not None
+        found = (*change.sizes.tolist(), change.frequency)
+        for what, a, b in zip(("inertia", "motion of stops", "frequency"), found, exact, strict=True):
+            yield same(f"derivative of the {what} by {path}", a, b, "SI", ROUNDING)
+
+
 def seen(problem: Problem) -> Iterator[Check]:
     """Forces of stops that press the straight beam or stand still, and moments on both sides of a step, of a motion in
     closed form."""
@@ -249,6 +262,7 @@ def run(level: Level, say: Say) -> CaseResult:
         *overridden(),
         *along_the_beam(problem),
         *loads(problem),
+        *by_excitation(problem),
         *seen(problem),
     ]
     checks = tuple(item for item in items if isinstance(item, Check))

@@ -79,6 +79,14 @@ PARTS = (
         new="0.0 * np.outer(in_space, self.base(t, dt))",
     ),
     Fault(
+        "wall-derivative-as-inertia",
+        "a wrong power",
+        "lapjoint:change_with",
+        "With the frequency, what stops in space see changes as the inertia of the moving base does.",
+        old="(2.0, 0.0)",
+        new="(2.0, 2.0)",
+    ),
+    Fault(
         "analytic-rotary-as-mass",
         "a wrong field",
         "analytic:layout_of",
@@ -109,6 +117,14 @@ PARTS = (
         "A load along a part of the beam goes on to the tip.",
         old="(middle > start) & (middle < end)",
         new="middle > start",
+    ),
+    Fault(
+        "analytic-one-stop-a-place",
+        "an input ignored",
+        "analytic:layout_of",
+        "Of two closed stops at one place, the last one acts alone.",
+        old="translational[at(problem.stops[i].x)] += problem.stops[i].stiffness",
+        new="translational[at(problem.stops[i].x)] = problem.stops[i].stiffness",
     ),
     Fault(
         "analytic-interference-as-gap",
@@ -173,6 +189,14 @@ PARTS = (
         "A load along a part of the beam goes on to the tip.",
         old="np.minimum(self.nodes[1:], self.place(end))",
         new="self.nodes[1:]",
+    ),
+    Fault(
+        "fe-one-stop-closed",
+        "an input ignored",
+        "fe_lapjoint:Assembly.springs",
+        "Of several closed stops, the first one acts alone.",
+        old="state.closed",
+        new="state.closed[:1]",
     ),
     Fault(
         "fe-interference-as-gap",
