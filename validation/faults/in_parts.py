@@ -145,7 +145,7 @@ PARTS = (
     Fault(
         "analytic-rests-at-gap",
         "a sign",
-        "analytic.equilibrium:_equilibrium",
+        "analytic:_equilibrium",
         "An equilibrium takes interferences for gaps as wide.",
         old="Fraction(stop.gap)",
         new="abs(Fraction(stop.gap))",
@@ -153,7 +153,7 @@ PARTS = (
     Fault(
         "analytic-rests-on-rigid-stops",
         "a term dropped",
-        "analytic.equilibrium:_equilibrium",
+        "analytic:_equilibrium",
         "In an equilibrium stops do not give way.",
         old="_compliance(stop.stiffness)",
         new="0 * _compliance(stop.stiffness)",
@@ -225,7 +225,7 @@ PARTS = (
     Fault(
         "fe-rests-at-gap",
         "a sign",
-        "fe_lapjoint.equilibrium:_Joint.__init__",
+        "fe_lapjoint:_Joint.__init__",
         "An equilibrium takes interferences for gaps as wide.",
         old="stop.gap",
         new="abs(stop.gap)",
@@ -233,7 +233,7 @@ PARTS = (
     Fault(
         "fe-rests-without-one-load",
         "an input ignored",
-        "fe_lapjoint.equilibrium:_Joint.__init__",
+        "fe_lapjoint:_Joint.__init__",
         "Of several constant loads, the last one does not count in an equilibrium.",
         old="problem.forces.constant",
         new="problem.forces.constant[:-1]",
