@@ -270,7 +270,7 @@ class PeriodMap:
         """The section point with the contact state that its displacements imply."""
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
-        depth = model.sign * z - model.gap
+        depth = model.sign * (z + model.system(point.state).seen_motion(np.zeros(1))[:, 0]) - model.gap
         free = np.abs(point.coordinates[0, assembly.free])
         unclear = np.abs(depth) <= _TOUCHING * (np.abs(model.gap) + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]

@@ -156,7 +156,7 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
         end=piece.end,
         closed=np.array([k in piece.state for k in range(len(system.stops))], dtype=bool),
         rates=np.concatenate([rates, 1j * system.driven]),
-        weights=np.concatenate([system.stops[:, modes].astype(complex), system.stops @ system.amplitudes], axis=1),
+        weights=np.concatenate([system.stops[:, modes].astype(complex), system.stop_amplitudes], axis=1),
         amplitudes=np.concatenate([terms[:, -1], loads]),
         polynomial=polynomial,
         deviations=deviations,
@@ -201,5 +201,6 @@ def _jump(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, co
     y = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
     row = model.orientation(state)[k] * old.stops[k]
     change = mapped(old.rates(piece.end, y), n) - new.rates(piece.end, after)
-    delay = -(row @ columns[:n]) / (row @ y[n:])
+    seen = model.orientation(state)[k] * old.seen_motion(np.array([piece.end]), 1)[k, 0]
+    delay = -(row @ columns[:n]) / (row @ y[n:] + seen)
     return np.asarray(np.multiply.outer(change, delay) + mapped(columns, count))
