@@ -46,7 +46,7 @@ from analytic.march.loads import MOVED_STOPS, acting
 from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState, closed_together, places
-from lapjoint.problem import AtRest, Beam, FloatArray, ModalDamping, Problem, Stop
+from lapjoint.problem import AtEquilibrium, AtRest, Beam, FloatArray, ModalDamping, Problem, Stop
 from lapjoint.problem.load_shape import LoadShape
 
 LEAST, MOST = 10, 320
@@ -269,7 +269,7 @@ def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:
     problem, error = criterion.problem, _error(criterion, pool)
     small = np.flatnonzero(error <= tolerance)
     count = max(LEAST, int(small[0]) + 1 if small.size else pool)
-    if isinstance(problem.initial, AtRest):
+    if isinstance(problem.initial, AtRest | AtEquilibrium):
         return count
     return max(count, _shape_count(problem, pool))
 

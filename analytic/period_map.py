@@ -70,7 +70,16 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> JointArcs:
-        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`."""
+        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`.
+
+        `InputError` is raised where a stop is damped.
+        """
+        if self.joint.damped:
+            k = next(k for k, stop in enumerate(self.joint.loaded.problem.stops) if stop.damping > 0)
+            raise InputError(
+                f"stops[{k}].damping = {self.joint.loaded.problem.stops[k].damping:g}: branches need stops without "
+                "damping; steady states, sweeps and basins allow it"
+            )
         return JointArcs(self.joint, self.period)
 
     @cached_property
@@ -161,11 +170,12 @@ class PeriodMap:
         """The mirror image, whose modes are those of `point`. See `lapjoint.orbits.PeriodMap.mirrored`."""
         twins = stop_twins(self.joint.loaded.problem.structure)
         assert twins is not None
-        return SectionPoint(ContactState(tuple(twins[k] for k in point.state.closed)), -point.coordinates)
+        closed, released = (tuple(twins[k] for k in part) for part in (point.state.closed, point.state.released))
+        return SectionPoint(ContactState(closed, released), -point.coordinates)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point found with other numbers of modes, or other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        stops = range(self.joint.stops)
+        stops = range(len(self.joint.loaded.problem.stops))
         if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
         coordinates = np.asarray(point.coordinates)
@@ -182,7 +192,10 @@ class PeriodMap:
         begin, duration = _coordinates(start), half_periods * self.period / 2
         end, matrix = march_linearised(self.joint, begin, duration, np.eye(start.coordinates.size))
         if end.state != start.state:
-            matrix = _passed_on(self.joint.passage(end.state, start.state).S, matrix)
+            if self.joint.damped:
+                matrix = self.joint.whole_passage(end.state, start.state)[0] @ matrix
+            else:
+                matrix = _passed_on(self.joint.passage(end.state, start.state).S, matrix)
         known = Derivative(matrix)
 
         def motion() -> March:
@@ -209,8 +222,10 @@ class PeriodMap:
     def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
         """Static shapes of unit forces. See `lapjoint.orbits.displaced.DisplacedStarts.static_shapes`."""
         shapes, compliance = static_shapes(self.joint, origin.state, places)
-        still = np.zeros_like(shapes)
+        still, it = np.zeros_like(shapes), self.joint.coupled(origin.state)
         both = np.concatenate([shapes, still], axis=1), np.concatenate([still, shapes], axis=1)
+        if it is not None:
+            both = both[0] @ it.back.T, both[1] @ it.back.T
         return StaticShapes(*both, compliance)
 
     def energy(self, origin: SectionPoint) -> FloatArray:
@@ -219,6 +234,8 @@ class PeriodMap:
 
     def _impulses(self, penetration: FloatArray) -> FloatArray:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
+        if self.joint.damped:
+            penetration = penetration[..., self.joint.force_rows]
         return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:

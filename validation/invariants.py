@@ -72,7 +72,7 @@ def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[F
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
-    """Kinetic, bending and spring energy of a motion.
+    """Kinetic, bending and spring energy of a motion, but for springs of damped stops.
 
     Parameters
     ----------
@@ -99,12 +99,13 @@ def energy(history: History, t: FloatArray) -> FloatArray:
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
     for stop, depth in zip(problem.stops, history.penetration(t), strict=True):
-        total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
+        if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
+            total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
     return np.asarray(total)
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia, of loads and of stops fixed in space, minus viscous dissipation.
+    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus viscous dissipation.
 
     Parameters
     ----------
@@ -123,7 +124,9 @@ def power(history: History, t: FloatArray) -> FloatArray:
     total = np.zeros(t.size)
     for force in problem.forces.every:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
-    total -= (history.contact_force(t) * history.base_of_stops(t, 1)).sum(axis=0)
+    # a spring stores what the beam and a base that moves towards the stop do; a damped stop is what it does to the beam
+    for stop, force, base in zip(problem.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True):
+        total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total

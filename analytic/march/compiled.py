@@ -49,6 +49,9 @@ def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motio
             ramps.goes_on[0] = False
         motion.counts[SLOT], motion.counts[PENDING] = target, NO_SWITCH
         motion.last_switch[stop] = motion.time[0]
+        for row in range(tables.owner.size):
+            if tables.owner[row] == stop:
+                motion.last_switch[row] = motion.time[0]
     return True
 
 
@@ -77,6 +80,7 @@ def leave(
         work.held[k] = t < motion.last_switch[k]
         if work.held[k]:
             end = min(end, motion.last_switch[k])
+        work.held[k] = work.held[k] or tables.asleep[slot, k]
     if frozen is not None:
         freeze(tables, frozen, slot)
     follow(tables, ramps, motion, work, end, shortest, depth)

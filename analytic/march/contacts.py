@@ -16,13 +16,28 @@ from lapjoint.problem import FloatArray
 def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     """All contacts, by start time, of a motion that was marched with `depth`."""
     stops, closed = joint.problem.stops, joint.tables.closed[log.slot[0]]
-    stop, rows, open_at, area, deepest = find_contacts(closed, log.stop, log.area, log.deepest)
+    switched, areas, depths = log.stop, log.area, log.deepest
+    if joint.damped:
+        closed, switched = closed[joint.force_rows], _force_switches(joint, log)
+        areas, depths = (np.ascontiguousarray(part[:, joint.force_rows]) for part in (areas, depths))
+    stop, rows, open_at, area, deepest = find_contacts(closed, switched, areas, depths)
     start, end = log.start[rows[:, 0]], log.end[rows[:, 1]]
     stiffness = np.array([it.stiffness for it in stops])
     impulse = np.array([it.sign * it.stiffness for it in stops])[stop] * area
     order = np.lexsort((stop, start))
     columns = (stop, start, end, impulse, stiffness[stop] * deepest, open_at[:, 0], open_at[:, 1])
     return tuple(map(Contact, *(column[order].tolist() for column in columns)))
+
+
+def _force_switches(joint: Joint, log: Log) -> IntArray:
+    """The stop whose force begins or ends at the end of each of the ``M`` segments, or -1, shape ``(M,)``."""
+    closed, switched = joint.tables.closed[:, joint.force_rows], np.full(log.stop.size, -1)
+    for i in np.flatnonzero(log.stop >= 0).tolist():
+        after = joint.tables.next_slot[log.slot[i], log.stop[i]] if i == log.slot.size - 1 else log.slot[i + 1]
+        changed = np.flatnonzero(closed[log.slot[i]] != closed[after])
+        if changed.size:
+            switched[i] = changed[0]
+    return switched
 
 
 @njit_called()

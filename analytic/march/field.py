@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from analytic.march.contacts import contacts_of
+from analytic.march.coupled import Coupled
 from analytic.march.joint import Joint
 from analytic.march.motion import Log
+from analytic.march.oscillator import SPLIT
 from analytic.march.ramp_segment import coordinates_on_ramps
 from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray
@@ -19,6 +21,7 @@ from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.dissipation import with_dissipation
 from lapjoint.problem import FloatArray
 
 _AT_ONCE = 2**20  # number of coordinates held at once, 8 MB for each time derivative
@@ -100,9 +103,21 @@ class ModalField:
         for slot in np.unique(slot_at).tolist():
             everywhere = np.flatnonzero(slot_at == slot)
             for here in np.split(everywhere, range(_LARGEST, everywhere.size, _LARGEST)):
-                q = self._coordinates(slot, which[here], t[here], dt)
-                found.append(TimesInState(self.joint.state_in(slot), here, which[here], q, np.zeros((0, here.size))))
+                state, times = self.joint.state_in(slot), t[here]
+                q = self._coordinates(slot, which[here], times, dt)
+                it = self.joint.coupled(state)
+                if it is not None:
+                    rate = self._coordinates(slot, which[here], times, dt + 1)
+                    q = self._uncoupled(it, q, rate, times, dt)
+                found.append(TimesInState(state, here, which[here], q, np.zeros((0, here.size))))
         return found
+
+    def _uncoupled(self, it: Coupled, P: FloatArray, V: FloatArray, t: FloatArray, dt: int) -> FloatArray:
+        """The dt-th derivative of q_i, ``(N, m)``, of a coupled state from those of its coordinates, ``(N, m)``."""
+        omega, n = self.joint.harmonics.omega[:, None], P.shape[0]
+        waves = (1j * omega) ** dt * np.exp(1j * (omega * t + self.joint.harmonics.phase[:, None]))
+        lag = (it.lag[1:].T @ waves).imag + (it.lag[0].real[:, None] if dt == 0 else 0.0)
+        return np.asarray(it.to[:n, :n] @ P + it.to[:n, n:] @ (V - lag))
 
     def rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
         """The part of z, or of its derivative, that the modes leave out, at the times of `part`, shape ``(n, m)``."""
@@ -127,7 +142,9 @@ class ModalField:
         result = free[:n] + _forced(tables.harmonic[slot, :, :n], theta[at].T, omega, s, dt)
         for exponent in range(dt, 3):
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
-        np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
+        if terms > n:
+            own = np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
+            np.add.at(result, tables.mode_of[slot, n:terms][own], free[n:][own])
         return np.asarray(result)
 
     @cached_property
@@ -180,7 +197,7 @@ def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) ->
     """
     switched = np.flatnonzero(log.stop[:-1] >= 0)
     states = {slot: joint.state_in(slot) for slot in np.unique(log.slot).tolist()}
-    return History(
+    made = History(
         problem=joint.problem,
         solver=name,
         start=float(log.start[0]),
@@ -191,3 +208,4 @@ def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) ->
         field=field or ModalField(joint, log),
         highest_mode=max(float(joint.flat(state).omega[-1]) for state in states.values()),
     )
+    return with_dissipation(made, float(joint.tables.fastest.max())) if joint.damped else made

@@ -91,6 +91,26 @@ def add_terms(
 
 
 @njit_called()
+def add_twisted(
+    weight: FloatArray, twist: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
+) -> tuple[float, float, float, float]:
+    """`add_terms` of terms whose weights are complex, with the imaginary parts `twist`, kg^-1/2, ``(T,)``."""
+    z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
+    for t in range(lo, hi):
+        a, b = root[t].real, root[t].imag
+        # of i times a term the real part is minus the imaginary part
+        x = weight[t] * term[t].real - twist[t] * term[t].imag
+        y = weight[t] * term[t].imag + twist[t] * term[t].real
+        x1, y1 = a * x - b * y, a * y + b * x
+        z += x
+        z1 += x1
+        z2 += a * x1 - b * y1
+        square = a * a + b * b
+        b3 += square * math.sqrt(square * (x * x + y * y))
+    return z, z1, z2, b3
+
+
+@njit_called()
 def at_positions(
     forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
 ) -> None:

@@ -132,9 +132,17 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
                 A[i, j] = 0.0
             for k in range(tables.sign.size):
                 weight = tables.weight[slot, tables.position[k], i]
+                by_rate = 0.0
+                if tables.owner.size > 0:
+                    weight = tables.gradient[slot, tables.position[k], 0, i]
+                    by_rate = tables.gradient[slot, tables.position[k], 1, i]
                 for j in range(now.shape[1]):
-                    drift[k, 0, j] += weight * now[i, j]
+                    drift[k, 0, j] += weight * now[i, j] + by_rate * now[n + i, j]
                     drift[k, 1, j] += weight * now[n + i, j]
+    for t in range(extra, tables.terms[slot]):  # second copies, see `analytic.march.coupled`
+        for j in range(now.shape[1]):
+            A[t, j] = A[tables.mode_of[slot, t], j] * complex(0.0, 1.0)
+        extra += 1
     for t in range(extra, A.shape[0]):
         for j in range(now.shape[1]):
             A[t, j] = 0.0

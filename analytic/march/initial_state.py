@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from analytic.equilibrium import start_of
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
@@ -18,6 +19,7 @@ from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
@@ -33,14 +35,27 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    initial = problem.initial
+    initial = start_of(problem)
     return projected(problem, modes, initial.displacement_at), projected(problem, modes, initial.velocity_at)
 
 
 def started(joint: Joint) -> Coordinates:
     """The coordinates of the initial state, in the contact state at t = 0."""
     state, held = starting_state(joint)
-    return Coordinates(state, *initial_coordinates(joint.problem, joint.modal(state).modes), held)
+    q, v = initial_coordinates(joint.problem, joint.modal(state).modes)
+    return Coordinates(state, *joint.from_modes(state, _at_rest(joint, state, q), v, 0.0), held)
+
+
+def _at_rest(joint: Joint, state: ContactState, q: FloatArray) -> FloatArray:
+    """Modal displacements, kg^1/2 m, ``(N,)``: in a static equilibrium those that the constant loads hold, to the bit.
+
+    Rigid-body modes, which no load holds, keep their own `q`.
+    """
+    start = start_of(joint.problem)
+    if not isinstance(start, RestingStart) or not start.kept_in(state):
+        return q
+    flat = joint.flat(state)
+    return np.where(flat.omega > 0, flat.static[:, 0] * joint.sizes[0], q)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
@@ -51,6 +66,8 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
     it has too many are left out.  The contact state is the one that the gaps of this joint imply.  `InputError` is
     raised where a value is not finite.
     """
+    if joint.damped:
+        return _resumed_damped(joint, state, np.asarray(values, dtype=float))
     flat, tables = joint.flat(state), joint.tables
     begin, pressed = np.empty((2, flat.kind.size)), np.empty(flat.closed.size, dtype=np.bool_)
     status = _settle(
@@ -71,6 +88,39 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
     if status == _AS_IT_WAS:
         return SectionPoint(state, begin)
     there = ContactState(tuple(np.flatnonzero(pressed).tolist()))
+    now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
+    return SectionPoint(there, np.array((now.q, now.v)))
+
+
+def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
+    """`resumed` of a joint with damped stops; a closed damped stop presses where its force does not pull."""
+    if not np.isfinite(values).all():
+        raise InputError("start: has coordinates that are not finite")
+    slot, n, theta = joint.slot(state), joint.count(state), joint.harmonics.theta(0.0)
+    tables, m = joint.tables, min(joint.count(state), values.shape[1])
+    waves, omega = np.exp(1j * theta), joint.harmonics.omega
+    begin = np.array(
+        [
+            tables.static[slot, :n, 0] + (waves @ tables.harmonic[slot, :, :n]).imag,
+            tables.static[slot, :n, 1] + ((1j * omega * waves) @ tables.harmonic[slot, :, :n]).imag,
+        ]
+    )
+    begin[:, :m] = values[:, :m]
+    modal, (q, v) = joint.modal(state), joint.in_modes(state, begin[0], begin[1], 0.0)
+    left_out = joint.left_out(state)
+    z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
+    rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]
+    closed, released = [], []
+    for k, stop in enumerate(joint.loaded.problem.stops):
+        depth, near = stop.sign * z[k] - stop.gap, TOUCHING * abs(stop.gap)
+        if depth > (-near if k in state else 0.0):
+            closed.append(k)
+            force = depth + stop.damping / stop.stiffness * stop.sign * rate[k]
+            if stop.damping > 0 and not stop.may_pull and force < (near if k in state.released else -near):
+                released.append(k)
+    there = ContactState(tuple(closed), tuple(released))
+    if there == state:
+        return SectionPoint(state, begin)
     now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
     return SectionPoint(there, np.array((now.q, now.v)))
 
@@ -141,6 +191,11 @@ def carried_over(
     `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are the coordinates of one motion or of many.  The part of the motion outside
     the span of the modes of `new` is left out.
     """
+    if joint.damped:
+        whole, load = joint.whole_passage(old, new)
+        y = np.concatenate([q, v], axis=-1) @ whole.T + load[0].real
+        y = y + (np.exp(1j * joint.harmonics.theta(0.0)) @ load[1:]).imag
+        return y[..., : joint.count(new)], y[..., joint.count(new) :]
     passage, theta, omega = joint.passage(old, new), joint.harmonics.theta(0.0), joint.harmonics.omega
     left_out = np.concatenate([[1.0], np.sin(theta)]) @ passage.residual
     moving = (omega * np.cos(theta)) @ passage.residual[1:]

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from analytic.march.coupled import Coupled, coupled, force_rows, is_coupled, write_coupled
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
@@ -31,15 +32,19 @@ from analytic.march.tables import (
     known_switches,
     owned,
     scale,
+    seen_motion,
     unit_tables,
 )
+from analytic.modes.beam_functions import ComplexArray
 from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.errors import InputError
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
 _FEW_POSITIONS, _MOST_KEPT = 64, 256
 """Largest number of positions for which shapes are kept, and largest number of kept shapes: 3 MB with 20 modes."""
+_NONE_KNOWN = KnownStates()  # what a joint with damped stops begins with: its states depend on the excitation
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,15 +88,26 @@ class Joint:
             driven.excitation.period,
         )
         """See `analytic.march.loads.Excitation`."""
-        self.stops, self.sampled = len(self.loaded.problem.stops), self.sizes.size - 1 - self.harmonics.omega.size
-        """Numbers of stops, and of sampled loads."""
+        self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
+        """Number of sampled loads."""
+        self.force_rows = force_rows(self.loaded.problem)
+        """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
+        self.damped = any(stop.damping > 0 for stop in self.loaded.problem.stops)
+        """Whether a stop is damped."""
+        self._coupled: dict[ContactState, Coupled] = {}
+        if self.damped and self.sampled:
+            k = next(k for k, stop in enumerate(self.loaded.problem.stops) if stop.damping > 0)
+            raise InputError(
+                f"stops[{k}].damping = {self.loaded.problem.stops[k].damping:g}: the analytic solver takes damped "
+                "stops with harmonic and constant forces, and not with records or random motion"
+            )
         self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}
         self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
         self._changes: dict[str, ExcitationChange | None] = dict(driven.excitation.changes)
         self.tables: Tables
         self._borrows: bool
-        self.known = self._memory.known
+        self.known = _NONE_KNOWN if self.damped else self._memory.known
         """The states and switches that the tables have from the start, in slots of that order."""
         self._fill_known(self.known)
 
@@ -106,13 +122,34 @@ class Joint:
             self._changes[field] = excitation_change(self.problem, field)
         return self._changes[field]
 
+    @property
+    def stops(self) -> int:
+        """Number of stops in the tables, where a damped stop has a second row; see `analytic.march.coupled`."""
+        return int(self.tables.sign.size)
+
     def count(self, state: ContactState) -> int:
         """Number of modes in a state."""
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
         """One contact state in modal form, for unit loads."""
-        return modal_state(self.loaded, state, self.count(state))
+        return modal_state(self.loaded, ContactState(state.closed), self.count(state))
+
+    def left_out(self, state: ContactState) -> FloatArray:
+        """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
+        return np.asarray((self.modal(state).residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+
+    def coupled(self, state: ContactState) -> Coupled | None:
+        """The oscillators of a state in which a damped stop is closed; None of any other state."""
+        if not self.damped or not is_coupled(self.loaded.problem, state):
+            return None
+        found = self._coupled.get(state)
+        if found is None:
+            made = coupled(
+                self.loaded.problem, state, self.modal(state), self.left_out(state), self.sizes, self.harmonics
+            )
+            found = self._coupled[state] = made
+        return found
 
     def residual(self, state: ContactState) -> Residual:
         """The residual shapes, m, of the 1 + H + R loads at their real size; the constant load is first."""
@@ -144,11 +181,53 @@ class Joint:
         unit = passage(self.loaded, old, self.count(old), new, self.count(new))
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
+    def whole_passage(self, old: ContactState, new: ContactState) -> tuple[FloatArray, ComplexArray]:
+        """The map of (q, v) from one state to another, ``(2 N, 2 N)``, and the part of the loads, ``(1 + H, 2 N)``.
+
+        Either state may be coupled: (q, v) are then (P, V) of `analytic.march.coupled`.
+        """
+        n_old, n_new = self.count(old), self.count(new)
+        turning = np.concatenate([[0.0], 1j * self.harmonics.omega])
+        if old.closed == new.closed:
+            S, left_out = np.eye(n_new, n_old), np.zeros((turning.size, n_new))
+        else:
+            made = self.passage(ContactState(old.closed), ContactState(new.closed))
+            S, left_out = made.S, made.residual
+        both = np.zeros((2 * n_new, 2 * n_old))
+        both[:n_new, :n_old] = both[n_new:, n_old:] = S
+        load = np.concatenate([left_out, turning[:, None] * left_out], axis=1)
+        before, after = self.coupled(old), self.coupled(new)
+        if before is not None:
+            load = load - before.lag @ (both @ before.to[:, n_old:]).T
+            both = both @ before.to
+        if after is not None:
+            load, both = load @ after.back.T, after.back @ both
+            load[:, n_new:] += after.lag
+        return both, load
+
+    def from_modes(self, state: ContactState, q: FloatArray, v: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+        """Coordinates of a state from displacements and velocities of its modes, ``(N,)``, at the time `t`, s."""
+        it = self.coupled(state)
+        if it is None:
+            return q, v
+        y = it.back @ np.concatenate([q, v])
+        y[q.size :] += it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
+        return y[: q.size], y[q.size :]
+
+    def in_modes(self, state: ContactState, P: FloatArray, V: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+        """The inverse of `from_modes`."""
+        it = self.coupled(state)
+        if it is None:
+            return P, V
+        lag = it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
+        y = it.to @ np.concatenate([P, V - lag])
+        return y[: P.size], y[P.size :]
+
     def flat(self, state: ContactState) -> FlatState:
         """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
-            found = self._flat[state] = flat_state(self.loaded, state, self.count(state))
+            found = self._flat[state] = flat_state(self.loaded, ContactState(state.closed), self.count(state))
         return found
 
     @property
@@ -174,13 +253,29 @@ class Joint:
         """Write the switch of a stop from the state in a slot, and the reverse switch, to the tables."""
         self._own()
         old = self._states[slot]
-        new = old.toggled(stop)
+        new = old.toggled(self.index_of(stop))
         target, row = self.slot(new), known_switches(self.tables)
         if row + 2 > self.tables.carry.shape[0]:
             self._grow(self.tables.modes.size, with_spare(row))
+        if self.damped:
+            self._connect_whole(slot, target, stop, row)
+            return
         connect(self.tables, self.loaded, self.counts, stop, (slot, old), (target, new))
         self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
         self._memory.known = self._memory.known.and_of(old, stop)
+
+    def index_of(self, row: int) -> int:
+        """The index of `ContactState.toggled` of a switch of a row of the tables."""
+        owner = int(self.tables.owner[row]) if self.damped else -1
+        return row if owner < 0 else ~owner
+
+    def _connect_whole(self, slot: int, target: int, stop: int, row: int) -> None:
+        """`connect` for a joint with damped stops: the switch of a row of the tables alone, to its row of switches."""
+        whole, load = self.whole_passage(self._states[slot], self._states[target])
+        n_new, n_old = whole.shape[0] // 2, whole.shape[1] // 2
+        self.tables.whole[row, :, :n_new, :, :n_old] = whole.reshape(2, n_new, 2, n_old)
+        self.tables.whole_load[row, :, :, :n_new] = load.reshape(-1, 2, n_new)
+        self.tables.next_slot[slot, stop], self.tables.passage[slot, stop] = target, row
 
     def _own(self) -> None:
         """Make all arrays of the tables the joint's own, before they are written to."""
@@ -203,12 +298,20 @@ class Joint:
         """Fill in a state that is met for the first time."""
         self._own()
         state, size = self._states[slot], max(self.counts)
+        it = self.coupled(state)
+        if it is not None:
+            write_coupled(self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it)
+            return
         flat = self.flat(state)
         fill(self.tables, slot, flat)
-        unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), flat.residual[None].copy())
+        left_out = np.zeros((1, self.tables.constant.shape[1], self.sizes.size))
+        left_out[0, : flat.residual.shape[0]] = flat.residual
+        unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), left_out)
         n = flat.omega.size
         unscaled.natural[0, :n], unscaled.damping_rate[0, :n] = flat.omega, flat.damping_rate
         self._scale(self.tables, slot, unscaled)
+        if self.damped:
+            self.tables.push[slot] = self.tables.force[slot]
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""

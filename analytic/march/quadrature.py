@@ -9,7 +9,8 @@ from collections.abc import Callable
 import numpy as np
 
 from analytic.modes.normal_modes import NormalModes
-from lapjoint.problem import FloatArray, Problem, SampledShape
+from lapjoint.answers.equilibrium import breaks_of
+from lapjoint.problem import AtEquilibrium, FloatArray, Problem, SampledShape
 
 _POINTS_PER_PANEL = 16  # Gauss points that resolve half a wave to rounding
 
@@ -17,11 +18,13 @@ _POINTS_PER_PANEL = 16  # Gauss points that resolve half a wave to rounding
 def over_beam(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatArray]:
     """Positions and weights, m, ``(points,)`` each, of Gauss-Legendre quadrature that resolves every mode to rounding.
 
-    The knots of a sampled initial shape are edges of the panels.
+    The knots of a sampled initial shape, and of a static equilibrium, are edges of the panels.
     """
     breaks = modes.shapes.nodes
     if isinstance(problem.initial, SampledShape):
         breaks = np.union1d(breaks, np.array(problem.initial.x))
+    if isinstance(problem.initial, AtEquilibrium):
+        breaks = np.union1d(breaks, np.array(breaks_of(problem)))
     fastest = np.abs(modes.shapes.mu).max(axis=(0, 2))[np.searchsorted(modes.shapes.nodes, breaks[1:]) - 1]
     panels = np.ceil(np.diff(breaks) * fastest / math.pi).astype(int) + 1
     edges = np.concatenate(

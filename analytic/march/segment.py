@@ -34,7 +34,7 @@ import math
 import numpy as np
 
 from analytic.march.deepest import deepest_of
-from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions, fading_powers
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_positions, fading_powers
 from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, Motion, Work
 from analytic.march.ramp_segment import (
     interval_at,
@@ -58,6 +58,7 @@ from analytic.march.terms import (
     turn_briefly,
     turn_by,
     turn_exactly,
+    write_copies,
 )
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import put, zeros
@@ -120,7 +121,10 @@ def follow(
         if ramps is not None:
             until, width, whole = up_to_knot(ramps, j, base, end)
             polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
-        bound_tails(tables.weight[slot], term, terms, tail)
+        if tables.own[slot] == 0:
+            bound_tails(tables.weight[slot], term, terms, tail)
+        else:
+            _bound_twisted_tails(tables, slot, term, tail)
         put(theta0, theta)
         for k in range(terms):
             term0[k] = term[k]
@@ -130,6 +134,8 @@ def follow(
         if which == NO_PROGRESS:
             motion.time[0], motion.counts[PENDING] = base + s, which
             return
+        if tables.own[slot] > 0:
+            write_copies(tables, slot, term)
         if ramps is not None and whole and which == NO_SWITCH:
             turn_whole(tables, ramps, slot, theta0, term0, theta, term)
         beginning, ended = False, which != NO_SWITCH or until == end
@@ -147,7 +153,8 @@ def follow(
         if leaves:
             break
     for k in range(stops):
-        area[k] = max(area[k], 0.0)
+        if not tables.asleep[slot, k]:  # a stop that may pull has a force of either sign
+            area[k] = max(area[k], 0.0)
     if ramps is None:
         wait = min(shortest, end - base) - s
         if which != NO_SWITCH and wait > 0:
@@ -192,7 +199,9 @@ def search(
     they are known there.
     """
     stops, positions = tables.sign.size, tables.forced.shape[1]
-    terms, fastest = tables.terms[slot], tables.fastest[slot]
+    terms, fastest, twisted = tables.terms[slot], tables.fastest[slot], tables.own[slot] > 0
+    if twisted:
+        terms = tables.own[slot]  # the copies are known from the others
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
@@ -207,7 +216,12 @@ def search(
         while True:
             far = True
             for u in range(positions):
-                z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
+                if tables.idle[slot, u]:
+                    continue
+                if twisted:
+                    z, z1, z2, b3 = add_twisted(weight[u], tables.twist[slot, u], term, root, summed, want)
+                else:
+                    z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
                 out[u, 0] += z
                 out[u, 1] += z1
                 out[u, 2] += z2
@@ -257,7 +271,13 @@ def search(
                 at_positions(forced, omega, s, theta, drift, out)
                 if rigid is not None:
                     add_rigid(rigid, s, out)
-                rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, np.int64(0), terms)[1])
+                if twisted:
+                    rate = orientation * out[u, 1]
+                    rate += (
+                        orientation * add_twisted(weight[u], tables.twist[slot, u], term, root, np.int64(0), terms)[1]
+                    )
+                else:
+                    rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, np.int64(0), terms)[1])
                 break
         else:
             j = tabulated(tau, step)
@@ -280,6 +300,16 @@ def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatA
         size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
         for u in range(tail.shape[0]):
             tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
+
+
+@njit_inner()
+def _bound_twisted_tails(tables: Tables, slot: int, term: ComplexArray, tail: FloatArray) -> None:
+    """`bound_tails` of the terms of a coupled state without their second copies."""
+    for t in range(tables.own[slot] - 1, -1, -1):
+        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
+        for u in range(tail.shape[0]):
+            weight, twist = tables.weight[slot, u, t], tables.twist[slot, u, t]
+            tail[u, t] = tail[u, t + 1] + math.sqrt(weight * weight + twist * twist) * size
 
 
 @njit_inner()

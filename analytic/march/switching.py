@@ -43,6 +43,9 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
     target = tables.next_slot[slot, stop]
     n_old, n_new = tables.modes[slot], tables.modes[target]
     row = tables.passage[slot, stop]
+    if tables.owner.size > 0:
+        _switch_coupled(tables, row, n_old, n_new, theta, q, v)
+        return
     S, onto = tables.carry[row], tables.carry_residual[row]
     q_old, v_old = q.copy(), v.copy()
     q[:] = 0.0
@@ -55,6 +58,25 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
         for h in range(theta.size):
             x += onto[1 + h, i] * theta[h].imag
             y += onto[1 + h, i] * tables.omega[h] * theta[h].real
+        q[i], v[i] = x, y
+
+
+@njit_inner()
+def _switch_coupled(
+    tables: Tables, row: int, n_old: int, n_new: int, theta: ComplexArray, q: FloatArray, v: FloatArray
+) -> None:
+    """`switch` of a joint with damped stops, in whose states q and v may be coupled; `row` is that of the switch."""
+    q_old, v_old, load, whole = q.copy(), v.copy(), tables.whole_load[row], tables.whole[row]
+    q[:] = 0.0
+    v[:] = 0.0
+    for i in range(n_new):
+        x, y = load[0, 0, i].real, load[0, 1, i].real
+        for j in range(n_old):
+            x += whole[0, i, 0, j] * q_old[j] + whole[0, i, 1, j] * v_old[j]
+            y += whole[1, i, 0, j] * q_old[j] + whole[1, i, 1, j] * v_old[j]
+        for h in range(theta.size):
+            x += (load[1 + h, 0, i] * theta[h]).imag
+            y += (load[1 + h, 1, i] * theta[h]).imag
         q[i], v[i] = x, y
 
 

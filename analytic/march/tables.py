@@ -125,6 +125,20 @@ class Tables(NamedTuple):
     part, or the frozen shape of the published scheme."""
     closed: BoolArray
     """Whether each stop is closed, shape ``(S, P)``."""
+    asleep: BoolArray
+    """Whether each stop may not switch in this state, shape ``(S, P)``; see `analytic.march.coupled`."""
+    idle: BoolArray
+    """Whether no row at a position may switch in this state, shape ``(S, U)``."""
+    own: IntArray
+    """Number of terms without second copies, 0 in states without copies, shape ``(S,)``; see
+    `analytic.march.coupled`."""
+    twist: FloatArray
+    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; without damped stops ``(S, 0, 0)``."""
+    gradient: FloatArray
+    """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
+    N)``; without damped stops ``(S, 0, 2, 0)``."""
+    push: ComplexArray
+    """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; without damped stops ``(S, 0, 0)``."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
     passage: IntArray
@@ -134,6 +148,12 @@ class Tables(NamedTuple):
     carry_residual: FloatArray
     """S0 and Sh of the known switches, kg^1/2 m, and those of sampled loads for each unit of load, shape ``(K, 1 + H +
     R, N)``."""
+    whole: FloatArray
+    """(q, v) after each known switch for units of (q, v) before, shape ``(K, 2, N, 2, N)``, which stands in for `carry`
+    where stops are damped; ``(K, 2, 0, 2, 0)`` without damped stops."""
+    whole_load: ComplexArray
+    """The part of (q, v) after each known switch that the loads bring, kg^1/2 m and kg^1/2 m/s, shape ``(K, 1 + H, 2,
+    N)``, or ``(K, 1 + H, 2, 0)``."""
     omega: FloatArray
     """Angular frequencies of the harmonics, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -146,6 +166,9 @@ class Tables(NamedTuple):
     """+1 for a top stop, -1 for a bottom stop, shape ``(P,)``."""
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
+    owner: IntArray
+    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` without
+    damped stops.  See `analytic.march.coupled`."""
     step: FloatArray
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     unit: float
@@ -153,7 +176,7 @@ class Tables(NamedTuple):
 
 
 PER_SLOT = Tables._fields[: Tables._fields.index("carry")]
-PER_SWITCH = "carry", "carry_residual"
+PER_SWITCH = "carry", "carry_residual", "whole", "whole_load"
 UNKNOWN = "next_slot", "passage"  # fields that hold -1 where a switch is not known
 
 
@@ -206,7 +229,7 @@ def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> Flat
         static=static_answer(modal.force[0], omega, damping_rate),
         force=modal.force,
         weight=np.ascontiguousarray(modal.at_stops[first][:, mode_of]),
-        residual=np.ascontiguousarray((modal.residual_at_stops + _seen_motion(loaded)).T[first]),
+        residual=np.ascontiguousarray((modal.residual_at_stops + seen_motion(loaded)).T[first]),
         closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
     )
 
@@ -220,7 +243,7 @@ def stop_positions(problem: Problem) -> IntArray:
     return np.array([places.index(stop.place) for stop in problem.stops], dtype=np.int64)
 
 
-def _seen_motion(loaded: LoadedStructure) -> FloatArray:
+def seen_motion(loaded: LoadedStructure) -> FloatArray:
     """The motion of the base that each stop's gap sees, m for each unit of load, shape ``(1 + H + R, P)``."""
     moved = np.array([False, *(shape == MOVED_STOPS for shape in loaded.positions)])
     return np.outer(moved, [stop.in_space for stop in loaded.problem.stops]).astype(float)
@@ -313,8 +336,13 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     `size` is the largest number of modes in a state.
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
+    damped = [k for k, stop in enumerate(problem.stops) if stop.damping > 0]
+    rows = [*problem.stops, *(problem.stops[k] for k in damped)]
+    places = int(position.max(initial=-1)) + 1
+    position = np.concatenate([position, places + np.arange(len(damped))])
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
     S, N, T = slots, size, 2 * size
+    (V, M), own = (U, N) if damped else (0, 0), len(problem.stops)
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -331,16 +359,25 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         forced=np.zeros((S, U, H), dtype=complex),
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
+        asleep=np.zeros((S, P), dtype=np.bool_),
+        idle=np.zeros((S, U), dtype=np.bool_),
+        own=np.zeros(S, dtype=np.int64),
+        twist=np.zeros((S, V, 2 * M)),
+        gradient=np.zeros((S, V, 2, M)),
+        push=np.zeros((S, 1 + H if damped else 0, M), dtype=complex),
         next_slot=np.full((S, P), -1, dtype=np.int64),
         passage=np.full((S, P), -1, dtype=np.int64),
         carry=np.zeros((switches, N, N)),
         carry_residual=np.zeros((switches, 1 + H, N)),
+        whole=np.zeros((switches, 2, M, 2, M)),
+        whole_load=np.zeros((switches, 1 + H, 2, M), dtype=complex),
         omega=harmonics.omega,
         phase=harmonics.phase,
         harmonic_turn=turns(steps, harmonics.omega),
         position=position,
-        sign=np.array([stop.sign for stop in problem.stops], dtype=float),
-        gap=np.array([stop.gap for stop in problem.stops], dtype=float),
+        sign=np.array([stop.sign for stop in rows], dtype=float),
+        gap=np.array([stop.gap for stop in rows], dtype=float),
+        owner=np.array([-1] * own + damped if damped else [], dtype=np.int64),
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )
@@ -357,9 +394,13 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.turn[slot, :, :terms] = flat.turn
     tables.static[slot, :n] = flat.static
     tables.force[slot, :, :n] = flat.force
-    tables.weight[slot, :, :terms] = flat.weight
-    tables.constant[slot] = flat.residual[:, 0]
-    tables.closed[slot] = flat.closed
+    places, stops = flat.weight.shape[0], flat.closed.size
+    tables.weight[slot, :places, :terms] = flat.weight
+    tables.constant[slot, :places] = flat.residual[:, 0]
+    tables.closed[slot, :stops] = flat.closed
+    tables.asleep[slot, stops:], tables.idle[slot, places:] = True, True
+    if tables.owner.size:
+        tables.gradient[slot, :places, 0, :n] = flat.weight[:, :n]
 
 
 def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray, side: float = ABOVE) -> None:

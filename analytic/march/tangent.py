@@ -105,6 +105,10 @@ def _write_rates(
         force = tables.force[slot, 0, i]
         for h in range(theta.size):
             force += tables.force[slot, 1 + h, i] * theta[h].imag
+        if tables.owner.size > 0:
+            force = tables.push[slot, 0, i].real
+            for h in range(theta.size):
+                force += (tables.push[slot, 1 + h, i] * theta[h]).imag
         rates[i] = v[i]
         rates[n + i] = force - damping * v[i] - stiffness * q[i]
 
@@ -159,6 +163,11 @@ def saltation(
     _write_rates(tables, old, theta, q_old, v_old, before)
     _write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
+    if tables.owner.size > 0:
+        _saltation_of_coupled(
+            tables, old, new, row, tables.position[k], late, work.level[k], rate, theta, now, then, work
+        )
+        return
     S = tables.carry[row][:n_new]
     for c in range(m):
         delay[c] = work.level[k, c] / rate
@@ -189,6 +198,51 @@ def saltation(
 
 
 @njit_inner()
+def _saltation_of_coupled(
+    tables: Tables,
+    old: int,
+    new: int,
+    row: int,
+    u: int,
+    late: float,
+    level: FloatArray,
+    rate: float,
+    theta: ComplexArray,
+    now: FloatArray,
+    then: FloatArray,
+    work: Switching,
+) -> None:
+    """`saltation` of a joint with damped stops, where `work.before` and `work.after` are known.
+
+    `row` is the row of the switch, `u` the position of the stop, `late` its orientation over -h', s/m, and `level`, m,
+    ``(m,)``, the levels of its switch; `rate` is h', m/s.
+    """
+    n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
+    delay, before, after = work.delay, work.before, work.after
+    J, load = zeros((2 * n_new, 2 * n_old)), tables.whole_load[row]
+    for a in range(2):
+        for b in range(2):
+            for j in range(n_new):
+                for i in range(n_old):
+                    J[a * n_new + j, b * n_old + i] = tables.whole[row, a, j, b, i]
+    for c in range(m):
+        delay[c] = level[c] / rate
+        for b in range(2):
+            for i in range(n_old):
+                delay[c] += late * tables.gradient[old, u, b, i] * now[b * n_old + i, c]
+    _project(J, now[: 2 * n_old], then[: 2 * n_new])
+    for a in range(2):
+        for j in range(n_new):
+            x = -after[a * n_new + j]
+            for i in range(2 * n_old):
+                x += J[a * n_new + j, i] * before[i]
+            for h in range(theta.size):
+                x += tables.omega[h] * (load[1 + h, a, j] * theta[h]).real
+            for c in range(m):
+                then[a * n_new + j, c] += x * delay[c]
+
+
+@njit_inner()
 def set_levels(
     tables: Tables,
     slot: int,
@@ -207,7 +261,11 @@ def set_levels(
     """
     level, m = work.level, now.shape[1]
     for k in range(tables.sign.size):
-        h, rise = _gap_function(tables, slot, k, theta, q, v)
+        h, rise = 0.0, 0.0
+        if tables.owner.size == 0:
+            h, rise = _gap_function(tables, slot, k, theta, q, v)
+        elif not tables.asleep[slot, k]:
+            h, rise = _gap_function_of_coupled(tables, slot, k, theta, q, v, work.after)
         for c in range(m):
             level[k, c] = 0.0
         if h <= 0:
@@ -216,10 +274,41 @@ def set_levels(
         mode = tables.weight[slot, tables.position[k]]
         for c in range(m if switched else 0):
             level[k, c] = rise * work.delay[c]
+        if tables.owner.size > 0:
+            u, n = tables.position[k], tables.modes[slot]
+            for b in range(2):
+                for i in range(n):
+                    weight = orientation * tables.gradient[slot, u, b, i]
+                    for c in range(m):
+                        level[k, c] += weight * now[b * n + i, c]
+            continue
         for i in range(tables.modes[slot]):
             weight = orientation * mode[i]
             for c in range(m):
                 level[k, c] += weight * now[i, c]
+
+
+@njit_inner()
+def _gap_function_of_coupled(
+    tables: Tables, slot: int, k: int, theta: ComplexArray, q: FloatArray, v: FloatArray, rates: FloatArray
+) -> tuple[float, float]:
+    """`_gap_function` of a joint with damped stops; `rates`, ``(2 N,)``, is overwritten."""
+    u, n, gradient = tables.position[k], tables.modes[slot], tables.gradient[slot, tables.position[k]]
+    _write_rates(tables, slot, theta, q, v, rates)
+    z, z1 = tables.constant[slot, u], 0.0
+    for i in range(n):
+        z += gradient[0, i] * q[i] + gradient[1, i] * v[i]
+        z1 += gradient[0, i] * rates[i] + gradient[1, i] * rates[n + i]
+    for h in range(theta.size):
+        wave: complex = tables.forced[slot, u, h]
+        for i in range(n):
+            wave -= complex(gradient[0, i], tables.omega[h] * gradient[1, i]) * tables.harmonic[slot, h, i]
+        wave *= theta[h]
+        z += wave.imag
+        z1 += tables.omega[h] * wave.real
+    if tables.closed[slot, k]:
+        return tables.gap[k] - tables.sign[k] * z, -tables.sign[k] * z1
+    return tables.sign[k] * z - tables.gap[k], tables.sign[k] * z1
 
 
 @njit_inner()

@@ -74,6 +74,16 @@ def start_terms(
         else:
             poly[i, 0] += x
             poly[i, 1] += y
+    if tables.own[slot] > 0:
+        write_copies(tables, slot, term)
+
+
+@njit_inner()
+def write_copies(tables: Tables, slot: int, term: ComplexArray) -> None:
+    """Write the second copies of the terms of a coupled state, i times the first; see `analytic.march.coupled`."""
+    for t in range(tables.own[slot], tables.terms[slot]):
+        first = term[tables.mode_of[slot, t]]
+        term[t] = complex(-first.imag, first.real)
 
 
 @njit_called()
@@ -118,6 +128,8 @@ def state_from_terms(
             v[i] += tables.omega[h] * wave.real
     for t in range(terms):
         i = tables.mode_of[slot, t]
+        if t == tables.own[slot] and t > 0:
+            break  # copies come last
         q[i] += term[t].real
         v[i] += (tables.root[slot, t] * term[t]).real
 
@@ -213,3 +225,16 @@ def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArra
         for i in range(tables.modes[slot]):
             for order in range(3):
                 drift[u, order] += tables.weight[slot, u, i] * poly[i, order]
+        if tables.owner.size > 0:
+            _drift_of_coupled(tables, slot, u, poly, drift)
+
+
+@njit_inner()
+def _drift_of_coupled(tables: Tables, slot: int, u: int, poly: FloatArray, drift: FloatArray) -> None:
+    """Write `drift` at position `u` where a position reads displacements and velocities."""
+    drift[u, 0], drift[u, 1], drift[u, 2] = tables.constant[slot, u], 0.0, 0.0
+    for i in range(tables.modes[slot]):
+        by_q, by_v = tables.gradient[slot, u, 0, i], tables.gradient[slot, u, 1, i]
+        drift[u, 0] += by_q * poly[i, 0] + by_v * poly[i, 1]
+        drift[u, 1] += by_q * poly[i, 1] + 2 * by_v * poly[i, 2]
+        drift[u, 2] += by_q * poly[i, 2]

@@ -25,9 +25,11 @@ import math
 
 import numpy as np
 
+from analytic.equilibrium import start_of
 from analytic.march.joint import Joint
 from analytic.march.quadrature import mass_weighted, over_beam
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.problem import FloatArray, Problem
 
 HIGHEST = 6
@@ -55,12 +57,24 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
         held += decided
         touching = [k for k in touching if k not in decided]
         order += 1
-    return ContactState(tuple(closed)), tuple(held)
+    return ContactState(tuple(closed), _pulling(problem, closed)), tuple(held)
+
+
+def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
+    """The closed damped stops whose spring and damper would pull at t = 0, although they may not."""
+    found, initial, (base, _), (speed, _) = [], start_of(problem), base_motion(problem, 0), base_motion(problem, 1)
+    for k in closed:
+        stop, x, seen = problem.stops[k], np.array(problem.stops[k].x), float(problem.stops[k].in_space)
+        depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
+        rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
+        if stop.damping > 0 and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
+            found.append(k)
+    return tuple(found)
 
 
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
     """The stops that the initial state closes, and the undecided ones, at whose gap the beam is at rest."""
-    closed, touching, initial = [], [], problem.initial
+    closed, touching, initial = [], [], start_of(problem)
     along = np.linspace(0.0, problem.beam.length, 65)
     far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))
     (base, of_base), (speed, of_speed) = (base_motion(problem, order) for order in (0, 1))
@@ -69,7 +83,9 @@ def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]
         depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
         rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
         at_gap = abs(depth) <= _ROUNDING * far + seen * of_base
-        if at_gap and abs(rate) <= _ROUNDING * fast + seen * of_speed:
+        if isinstance(initial, RestingStart) and initial.pressed(k):
+            closed.append(k)
+        elif at_gap and abs(rate) <= _ROUNDING * fast + seen * of_speed:
             touching.append(k)
         elif rate > 0 if at_gap else depth > 0:
             closed.append(k)
@@ -143,13 +159,14 @@ def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
 def _velocities(joint: Joint, state: ContactState) -> Rounded:
     """Modal velocities at t = 0, kg^1/2 m/s, shape ``(N,)``."""
     problem, modes = joint.problem, joint.modal(state).modes
-    return _summed(mass_weighted(problem, modes, problem.initial.velocity_at))
+    return _summed(mass_weighted(problem, modes, start_of(problem).velocity_at))
 
 
 def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     """a(Phi_i, z) of the initial displacement, or of the velocity where `n` is 1, kg^1/2 m/s^(2 + n), ``(N,)``."""
     problem, modes = joint.problem, joint.modal(state).modes
-    shape = (problem.initial.displacement_at, problem.initial.velocity_at)[n]
+    initial = start_of(problem)
+    shape = (initial.displacement_at, initial.velocity_at)[n]
     x, weights = over_beam(problem, modes)
     springs = [(it.x, 0, it.translational) for it in problem.supports]
     springs += [(it.x, 1, it.torsional) for it in problem.supports]

@@ -7,14 +7,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.joint import Joint
+from analytic.march.joint import DrivenProblem, Joint
 from analytic.march.known_states import KnownStates
 from analytic.march.modal_state import LoadedStructure, passage
 from analytic.march.motion import SLOT, Motion, new_motion
+from analytic.march.oscillator import ABOVE
 from analytic.march.switching import Frozen
 from analytic.march.tables import Tables, Unscaled, count_in
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, Problem
 
 _PRODUCTS = 32  # sets of inner products kept, as in `analytic.march.tables`; 9 states with 8 modes take 40 kB
 
@@ -36,6 +38,15 @@ class FrozenMotion:
 
 class PublishedJoint(Joint):
     """A joint whose tables leave out what the published scheme does not have: the residual shapes."""
+
+    def __init__(
+        self, problem: Problem | DrivenProblem, free_modes: int, contact_modes: int, side: float = ABOVE
+    ) -> None:
+        super().__init__(problem, free_modes, contact_modes, side)
+        if self.damped:
+            stops = self.loaded.problem.stops
+            k = next(k for k, stop in enumerate(stops) if stop.damping > 0)
+            raise InputError(f"stops[{k}].damping = {stops[k].damping:g}: the published scheme has no damped stops")
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
         """A motion at the time 0 from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, without a frozen shape."""

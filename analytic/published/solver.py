@@ -44,7 +44,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.machine.one_thread import in_one_thread
-from lapjoint.problem import Problem
+from lapjoint.problem import AtEquilibrium, Problem
 from lapjoint.solver import MODES, Progress
 
 
@@ -214,6 +214,8 @@ class PublishedScheme:
 
 def _refuse_what_was_not_published(problem: Problem) -> None:
     """Raise `InputError` where a problem has what the published equations do not have."""
+    if isinstance(problem.initial, AtEquilibrium):
+        raise InputError('initial.kind = "equilibrium": the published scheme starts from a given shape only')
     if problem.records:
         raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
     if problem.random:

@@ -15,10 +15,12 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fe_lapjoint.equilibrium import start_of
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.system import System
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.problem import FloatArray
 
 ShapeFunction = Callable[..., FloatArray]
@@ -36,13 +38,14 @@ def initial_state(model: Model) -> ContactState:
 
     A stop is open if the beam touches it and no derivative examined differs from 0.
     """
-    initial, stops = model.problem.initial, model.problem.stops
+    initial, stops = start_of(model.problem), model.problem.stops
     base, of_base = _base_motion(model, 0)
     z = np.array([float(initial.displacement_at(np.array(it.x))) for it in stops]) + base
     gaps = model.sign * z - model.gap
     size = float(np.abs(initial.displacement_at(model.assembly.nodes)).max())
-    undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size + of_base[k]}
-    state = ContactState(tuple(k for k in range(len(stops)) if k not in undecided and gaps[k] > 0))
+    pressing = {k for k in range(len(stops)) if isinstance(initial, RestingStart) and initial.pressed(k)}
+    undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size + of_base[k]} - pressing
+    state = ContactState(tuple(k for k in range(len(stops)) if k in pressing or (k not in undecided and gaps[k] > 0)))
     for order in range(1, _ORDERS + 1):
         if not undecided:
             break
@@ -56,7 +59,7 @@ def initial_state(model: Model) -> ContactState:
 def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArray, FloatArray]:
     """The time derivative of an order of what the gaps of the stops see at t = 0, and its rounding error, m/s^order,
     ``(P,)`` each."""
-    initial, system, (base, of_base) = model.problem.initial, model.system(state), _base_motion(model, order)
+    initial, system, (base, of_base) = start_of(model.problem), model.system(state), _base_motion(model, order)
     if order == 1:
         rate = [float(initial.velocity_at(np.array(stop.x))) for stop in model.problem.stops]
         fastest = float(np.abs(initial.velocity_at(model.assembly.nodes)).max())
@@ -120,9 +123,13 @@ def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) ->
 
 def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
     """(q, q') at t = 0 by Hermite interpolation on the mesh, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
-    initial = assembly.problem.initial
+    initial = start_of(assembly.problem)
     shapes = initial.displacement_at, initial.velocity_at
-    return np.concatenate([system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes])
+    q, v = (system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes)
+    if isinstance(initial, RestingStart) and initial.kept_in(system.state):
+        held = system.omega > 0  # these modes rest where the constant loads hold them, to the bit
+        q[held] = system.constant[held] / system.omega[held] ** 2
+    return np.concatenate([q, v])
 
 
 def _nodal(assembly: Assembly, shape: ShapeFunction) -> FloatArray:

@@ -6,6 +6,7 @@ a mistake in shared code.
 """
 
 from lapjoint.answers.contact_state import FREE, ContactState, contact_states, paper_state_number
+from lapjoint.answers.equilibrium import Equilibrium, EquilibriumErrors, Extreme, StaticShape
 from lapjoint.answers.history import Contact, Field, History
 from lapjoint.answers.modes import Modes, ModeShapes
 from lapjoint.answers.series import time_series, write_series
@@ -15,13 +16,17 @@ __all__ = [
     "FREE",
     "Contact",
     "ContactState",
+    "Equilibrium",
+    "EquilibriumErrors",
     "Exponent",
+    "Extreme",
     "Field",
     "History",
     "ModeShapes",
     "Modes",
     "Outcome",
     "SectionPoint",
+    "StaticShape",
     "SteadyState",
     "contact_states",
     "paper_state_number",

@@ -28,16 +28,17 @@ CONTACT_COLUMNS = (
     "start_error_s",
     "impulse_error_Ns",
     "peak_force_error_N",
+    "dissipated_J",
 )
 
 
 def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
-    The columns are `CONTACT_COLUMNS`; times are in s, impulses in N s (top positive), forces in N.  Errors are empty if
-    none were estimated, and infinite (in JSON null) if none can be stated.  In CSV, a name that a spreadsheet would
-    read as a formula gets an apostrophe in front.  The JSON file also holds the problem, the solver, the first and last
-    time, the total impulse of each stop, and how errors were estimated.
+    The columns are `CONTACT_COLUMNS`; times are in s, impulses in N s (top positive), forces in N, energies lost in
+    damped stops in J.  Errors are empty if none were estimated, and infinite (in JSON null) if none can be stated.  In
+    CSV, a name that a spreadsheet would read as a formula gets an apostrophe in front.  The JSON file also holds the
+    problem, the solver, the first and last time, the total impulse of each stop, and how errors were estimated.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":
@@ -82,6 +83,7 @@ def contact_rows(history: History) -> list[dict[str, Any]]:
             "start_error_s": c.start_error,
             "impulse_error_Ns": c.impulse_error,
             "peak_force_error_N": c.peak_force_error,
+            "dissipated_J": float(c.dissipated),
         }
         for c in history.contacts
     ]

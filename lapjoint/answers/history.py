@@ -17,18 +17,18 @@ NO_ERRORS = "no errors were estimated"
 
 @dataclass(frozen=True)
 class Contact:
-    """One contact of one stop, from impact to rebound."""
+    """One contact of one stop, from impact to rebound; of a damped stop, the time in which its force acts."""
 
     stop: int
     """Index into ``problem.stops``."""
     start: float
     """Time of impact, s; the start of the history if `open_start`."""
     end: float
-    """Time of rebound, s; the end of the history if `open_end`."""
+    """Time of rebound, or of the end of a damped stop's force, s; the end of the history if `open_end`."""
     impulse: float
-    """Time integral of the stop's spring force magnitude, N s, with the sign of the side: top positive."""
+    """Time integral of the stop's force, N s, with the sign of the side: top positive."""
     peak_force: float
-    """Largest spring force magnitude, N."""
+    """Largest force with which the stop presses, N."""
     open_start: bool = False
     """Whether the contact was already closed when the history starts."""
     open_end: bool = False
@@ -39,6 +39,9 @@ class Contact:
     """Estimate of the numerical error of `impulse`, N s; infinite or None, see `start_error`."""
     peak_force_error: float | None = None
     """Estimate of the numerical error of `peak_force`, N; infinite or None, see `start_error`."""
+    dissipated: float = 0.0
+    """Energy that a damped stop takes from the beam and keeps, J: the integral of its force times the rate of its
+    penetration.  What its spring stores when the force ends is lost with it; a stop without damping gives all back."""
 
     @property
     def duration(self) -> float:
@@ -209,7 +212,7 @@ class History(Shown):
         return self.states[int(np.searchsorted(self.switch_times, t, side="right"))]
 
     def contact_force(self, t: FloatArray | float) -> FloatArray:
-        """Force of each stop on the beam, by the force law from the displacement at the stop.
+        """Force of each stop on the beam, by the force law from the motion at the stop.
 
         Parameters
         ----------
@@ -219,10 +222,18 @@ class History(Shown):
         Returns
         -------
         FloatArray, shape (stops, m)
-            Forces, N, positive upwards; zero where a stop is open.
+            Forces, N, positive upwards; zero where a stop is open, and where a damped stop would pull but may not.
         """
-        sign_and_k = np.array([stop.sign * stop.stiffness for stop in self.problem.stops])[:, None]
-        return np.asarray(-sign_and_k * np.maximum(self.penetration(t), 0.0))
+        stops, depth = self.problem.stops, self.penetration(t)
+        sign_and_k = np.array([stop.sign * stop.stiffness for stop in stops])[:, None]
+        force = np.asarray(-sign_and_k * np.maximum(depth, 0.0))
+        damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
+        rate = self.seen_by_stops(t, 1) if damped else depth
+        for k in damped:
+            pressed = stops[k].stiffness * depth[k] + stops[k].damping * stops[k].sign * rate[k]
+            acts = (depth[k] > 0) & ((pressed > 0) | stops[k].may_pull)
+            force[k] = np.where(acts, -stops[k].sign * pressed, 0.0)
+        return force
 
     def penetration(self, t: FloatArray | float) -> FloatArray:
         """Penetration of each stop: how far the beam is beyond the stop's gap.
@@ -301,4 +312,17 @@ class History(Shown):
         for contact in self.contacts:
             if lo <= contact.start < hi:
                 total[contact.stop] += contact.impulse
+        return total
+
+    def dissipated(self) -> FloatArray:
+        """Energy that each stop has taken from the beam and kept, over all contacts; 0 of stops without damping.
+
+        Returns
+        -------
+        FloatArray, shape (stops,)
+            Energies, J.
+        """
+        total = np.zeros(len(self.problem.stops))
+        for contact in self.contacts:
+            total[contact.stop] += contact.dissipated
         return total

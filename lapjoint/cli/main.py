@@ -27,6 +27,7 @@ from lapjoint.cli.branch import branch
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.confirm import confirm
 from lapjoint.cli.echo import echo
+from lapjoint.cli.equilibrium import equilibrium
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
@@ -160,7 +161,7 @@ def main() -> None:
     """
 
 
-for command in (modes, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
+for command in (modes, equilibrium, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
     main.add_command(command)
 
 

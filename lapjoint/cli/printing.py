@@ -89,6 +89,7 @@ def print_history(history: History) -> None:
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
+    _print_dissipated(history, 1, "Energy lost in damped stops in all [J]")
     if contacts:
         print_source(history.error_source)
 
@@ -125,6 +126,8 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
         _print_nearest(found.history)
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
+    if found.period_multiple:
+        _print_dissipated(found.history, found.period_multiple, "Energy lost in damped stops per excitation period [J]")
     _print_summary(found, at)
     if found.problem.stops or found.impulse_errors is not None:
         print_source(found.error_source)
@@ -207,6 +210,17 @@ def print_impulses(problem: Problem, impulses: list[float], heading: str, errors
         known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
         for name, stop, impulse, error in zip(names, problem.stops, impulses, known, strict=True):
             echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}{error}")
+
+
+def _print_dissipated(history: History, periods: int, heading: str) -> None:
+    """Print the energy that each damped stop takes and keeps, J, divided by `periods`; nothing without damped stops."""
+    problem, lost = history.problem, history.dissipated() / periods
+    if any(stop.damping > 0 for stop in problem.stops):
+        echo(f"\n{heading}")
+        names, width = stop_column(problem)
+        for name, stop, energy in zip(names, problem.stops, lost.tolist(), strict=True):
+            if stop.damping > 0:
+                echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{energy:14.8g}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:

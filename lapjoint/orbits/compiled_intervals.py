@@ -51,7 +51,7 @@ class Motion(NamedTuple):
     polynomial: FloatArray
     """Coefficients of 1, tau, tau^2 at the places, m, m/s and m/s2, shape ``(S, U, 3)``."""
     orientation: FloatArray
-    """+1 where a stop is open, -1 where it is closed, shape ``(S, P)``."""
+    """+1 where a stop is open, -1 where it is closed, 0 where it may not switch next, shape ``(S, P)``."""
 
 
 @by_reference

@@ -155,5 +155,6 @@ def _whole(history: History) -> tuple[list[Contact], list[int]]:
     for i, begun in rest.items():
         k = whole.index(begun)
         peak = max(made[k].peak_force, contacts[i].peak_force)
-        made[k] = replace(made[k], impulse=made[k].impulse + contacts[i].impulse, peak_force=peak)
+        impulse, lost = (getattr(made[k], name) + getattr(contacts[i], name) for name in ("impulse", "dissipated"))
+        made[k] = replace(made[k], impulse=impulse, peak_force=peak, dissipated=lost)
     return made, [whole.index(rest.get(i, i)) for i in range(len(contacts))]

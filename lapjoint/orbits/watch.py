@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.compiled.by_reference import in_c_order
 from lapjoint.orbits.compiled_intervals import (
@@ -35,6 +36,7 @@ from lapjoint.orbits.compiled_watch import largest_motion, terms_at_points
 from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray, Problem, Stop
 
+BoolArray = npt.NDArray[np.bool_]
 _PER_HALF_PERIOD = 16
 """Least number of intervals in half a period of the fastest excitation, before intervals are divided."""
 
@@ -112,22 +114,51 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
     )
 
 
+def rows_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
+    """The rows of segments: the stops, and then the force of each damped stop, which ends at a place of its own.
+
+    The force of a damped stop is k times its penetration at a place that moves by z + (c / k) z'.
+    """
+    own, damped = stops_of(stops, twins), np.flatnonzero([stop.damping > 0 for stop in stops])
+    if not damped.size:
+        return own
+    places = int(own.place.max()) + 1
+    return Stops(
+        sign=np.concatenate([own.sign, own.sign[damped]]),
+        gap=np.concatenate([own.gap, own.gap[damped]]),
+        place=np.concatenate([own.place, places + np.arange(damped.size)]),
+        beyond=np.concatenate([own.beyond, own.beyond.size + np.searchsorted(damped, own.beyond[damped])]),
+    )
+
+
+def awake_rows(stops: Sequence[Stop], closed: BoolArray) -> BoolArray:
+    """Which rows may switch next, shape ``(S, P)``: a damped stop's force ends or begins while the stop is closed.
+
+    `closed`, ``(S, P)``, says which rows are closed.
+    """
+    awake = np.ones(closed.shape, dtype=np.bool_)
+    for row, k in enumerate((k for k, stop in enumerate(stops) if stop.damping > 0), start=len(stops)):
+        awake[:, row] = closed[:, k] & (not stops[k].may_pull)
+    return awake
+
+
 class SegmentWatch:
     """The watch over an orbit with segments in closed form; with `twins` the orbit continues mirrored."""
 
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
         segments = Segments.of(segments)
-        stops = stops_of(problem.stops, twins)
+        stops, awake = rows_of(problem.stops, twins), awake_rows(problem.stops, segments.closed)
         self._place = stops.place
         first = np.unique(stops.place, return_index=True)[1]
-        motion, length = motion_at(segments, first), float(segments.end[-1])
+        motion, length = motion_at(segments, first, awake), float(segments.end[-1])
         self._switching = np.flatnonzero(segments.switched >= 0)
         stop, time = segments.switched[self._switching], segments.end[self._switching]
         rate, curvature = slopes_at_switches(motion, stops, self._switching, stop)
         self.switches = Switches(time, stop, rate, curvature, spacings(time, stop, stops.beyond, length))
         points = first_points(motion.duration, math.pi / problem.forces.fastest / _PER_HALF_PERIOD)
         self.segment, self.tau, distance = refined(motion, stops, *points)
+        distance[~awake.T[:, self.segment[:-1]]] = np.inf
         self.intervals = self._intervals(motion, stops, distance, length)
         self._set_up_deviations(segments, first, motion)
 
@@ -179,9 +210,11 @@ class SegmentWatch:
         self._at_switches = np.concatenate([both.real, -both.imag], axis=3)
 
 
-def motion_at(segments: Segments, first: IndexArray) -> Motion:
-    """The arrays of segments for compiled functions, at the places of the stops with the indices `first`, shape
-    (U,)."""
+def motion_at(segments: Segments, first: IndexArray, awake: BoolArray | None = None) -> Motion:
+    """Segments as compiled functions take them, at the places of the stops with the indices `first`, shape (U,).
+
+    `awake` is that of `awake_rows`; by default every stop may switch.
+    """
     made = Motion(
         start=segments.start,
         duration=segments.end - segments.start,
@@ -189,6 +222,6 @@ def motion_at(segments: Segments, first: IndexArray) -> Motion:
         amplitudes=segments.amplitudes,
         weights=segments.weights[:, first],
         polynomial=segments.polynomial[:, first],
-        orientation=np.where(segments.closed, -1.0, 1.0),
+        orientation=np.where(segments.closed, -1.0, 1.0) * (1.0 if awake is None else awake),
     )
     return in_c_order(made)

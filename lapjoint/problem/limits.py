@@ -18,7 +18,7 @@ import numpy as np
 from lapjoint.problem.beam import LEAST, MOST, NEAREST
 from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtRest, InitialState
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import Structure
@@ -38,6 +38,9 @@ _STEEPEST = 1e9
 elements is singular to rounding."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
+_MOST_IN_STOP = 1e4
+"""Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
+stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
 _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
@@ -51,6 +54,7 @@ def faults_of_size(
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
+        yield from _stated(f"stops[{i}].damping", stop.damping, "N s/m")
     yield from _of_places(joint, excitation)
     yield from _of_stiffness(joint)
     yield from _of_damping(joint)
@@ -134,6 +138,12 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
                 f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
             )
+        critical = math.sqrt(joint.beam.m) * (math.sqrt(EI) / L + math.sqrt(stop.stiffness * L))
+        if stop.damping > _MOST_IN_STOP * critical:
+            yield (
+                f"stops[{i}].damping = {stop.damping:g}: must be at most {_MOST_IN_STOP:g} times sqrt(EI m) / length + "
+                f"sqrt(stiffness m length), which is {_MOST_IN_STOP * critical:.2g} N s/m"
+            )
 
 
 def _of_inertia(joint: Structure) -> Iterator[str]:
@@ -205,7 +215,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
 
 def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, length, 101)
     with np.errstate(all="ignore"):

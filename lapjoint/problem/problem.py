@@ -17,7 +17,7 @@ from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
-from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
@@ -47,6 +47,7 @@ class Problem(Part):
     title: str = ""
     """What this problem is, in a line."""
     beam: Beam
+    """The beam: its length, stiffness and mass."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
@@ -54,11 +55,17 @@ class Problem(Part):
     masses: tuple[Mass, ...] = ()
     """Masses that the beam carries at points."""
     damping: Damping = NoDamping()
+    """Damping of the beam; none, if not given."""
     base_motion: AnyBaseMotion | None = None
+    """Motion y(t) of the base; a base at rest, if not given."""
     point_loads: tuple[PointLoad, ...] = ()
+    """Forces at points, from t = 0 on."""
     gravity: Gravity | None = None
+    """Gravity along z, from t = 0 on; none, if not given."""
     uniform_loads: tuple[UniformLoad, ...] = ()
+    """Constant forces along the beam, from t = 0 on."""
     initial: InitialState = AtRest()
+    """Displacement and velocity at t = 0; straight and at rest, if not given."""
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -174,7 +181,7 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self.beam, self.stops, self.damping, self.forces)
+        return hints(self.structure, self.gravity, self.forces)
 
     @property
     def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
@@ -414,7 +421,7 @@ def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
 
 def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
     initial = problem.initial
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, problem.beam.length, 101)
     for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):

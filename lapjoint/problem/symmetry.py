@@ -7,6 +7,7 @@ from functools import lru_cache
 from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
 
+_Key = tuple[tuple[float, bool], float, float, float, bool]
 _KEPT = 64
 """Number of structures whose twins are cached: all problems of one sweep, or of one branch, mostly share one
 structure."""
@@ -16,18 +17,18 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
     """For each stop the index of its twin on the other side, if the problem is its own mirror image; else None.
 
     A problem is its own mirror image if all forces change sign in half a period, which excludes constant forces and
-    even harmonics, and if the stops of both sides agree in place, gap and stiffness. A problem without an excitation
-    frequency has no half period, and no mirror image.
+    even harmonics, and if the stops of both sides agree in place, gap, stiffness and damping. A problem without an
+    excitation frequency has no half period, and no mirror image.
     """
     return stop_twins(problem.structure) if problem.forces.change_sign else None
 
 
 @lru_cache(maxsize=_KEPT)
 def stop_twins(structure: Structure) -> tuple[int, ...] | None:
-    """The twin of each stop on the other side, if both sides agree in place, gap and stiffness; else None."""
-    sides: dict[str, list[tuple[tuple[tuple[float, bool], float, float], int]]] = {"top": [], "bottom": []}
+    """The twin of each stop on the other side, if both sides agree in place, gap, stiffness and damping; else None."""
+    sides: dict[str, list[tuple[_Key, int]]] = {"top": [], "bottom": []}
     for k, stop in enumerate(structure.stops):
-        sides[stop.side].append(((stop.place, stop.gap, stop.stiffness), k))
+        sides[stop.side].append(((stop.place, stop.gap, stop.stiffness, stop.damping, stop.may_pull), k))
     top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
     if [key for key, _ in top] != [key for key, _ in bottom]:
         return None

@@ -214,4 +214,5 @@ def _as_one(begun: Contact, rest: Contact) -> Contact:
         impulse=begun.impulse + rest.impulse,
         peak_force=max(begun.peak_force, rest.peak_force),
         open_end=rest.open_end,
+        dissipated=begun.dissipated + rest.dissipated,
     )

@@ -10,7 +10,18 @@ from functools import partial
 import numpy as np
 import pytest
 from beams import CLAMP, unit_cantilever
-from preloaded import ANALYTIC, CERTIFICATES, COARSE, COUNT, SOLVERS, check, judged, preloaded_joint, witnessed
+from preloaded import (
+    ANALYTIC,
+    CERTIFICATES,
+    COARSE,
+    COUNT,
+    FINE_WITNESS,
+    SOLVERS,
+    check,
+    judged,
+    preloaded_joint,
+    witnessed,
+)
 from refining import AnySolver
 
 from analytic.mode_count import most_closed
@@ -31,7 +42,7 @@ def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops(index: int) -> Non
 @pytest.mark.slow
 def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops_of_many_joints() -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        every = pool.map(partial(witnessed, preloaded_joint), range(COUNT))
+        every = pool.map(partial(witnessed, preloaded_joint, elements=FINE_WITNESS), range(COUNT))
         assert not [line for found in every for line in found]
 
 

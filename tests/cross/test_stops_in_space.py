@@ -11,7 +11,18 @@ from functools import partial
 import numpy as np
 import pytest
 from beams import unit_cantilever
-from preloaded import ANALYTIC, CERTIFICATES, COARSE, COUNT, SOLVERS, check, judged, spatial_joint, witnessed
+from preloaded import (
+    ANALYTIC,
+    CERTIFICATES,
+    COARSE,
+    COUNT,
+    FINE_WITNESS,
+    SOLVERS,
+    check,
+    judged,
+    spatial_joint,
+    witnessed,
+)
 from refining import AnySolver
 from settled import orbit_of
 
@@ -47,7 +58,7 @@ def test_a_march_in_tiny_steps_meets_the_same_stops_in_space(index: int) -> None
 @pytest.mark.slow
 def test_a_march_in_tiny_steps_meets_the_same_stops_in_space_of_many_joints() -> None:
     with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        every = pool.map(partial(witnessed, spatial_joint), range(COUNT))
+        every = pool.map(partial(witnessed, spatial_joint, elements=FINE_WITNESS), range(COUNT))
         assert not [line for found in every for line in found]
 
 

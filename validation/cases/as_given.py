@@ -27,7 +27,7 @@ from lapjoint import FREE, BaseMotion, ContactState, History, Problem, paper_joi
 from lapjoint.answers import Contact
 from lapjoint.answers.steady_state import chatters, impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, PolynomialShape
 from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.override import override
@@ -129,16 +129,16 @@ def leaves(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def field(part: Any, path: str) -> Any:
-    """The value at a path of a problem."""
+    """The value at a path of a problem; ``from``, a word of Python, is called `start`."""
     for key in path.replace("[", ".").replace("]", "").split("."):
-        part = part[int(key)] if key.isdigit() else getattr(part, key)
+        part = part[int(key)] if key.isdigit() else getattr(part, "start" if key == "from" else key)
     return part
 
 
-def read_as_written(problem: Problem, how: str) -> Iterator[Check | Criterion]:
-    """Every value of `FILE` against the problem."""
+def read_as_written(problem: Problem, how: str, text: str = FILE) -> Iterator[Check | Criterion]:
+    """Every value of a file's text against the problem."""
     words = []
-    for path, value in leaves(tomllib.loads(FILE)):
+    for path, value in leaves(tomllib.loads(text)):
         found = field(problem, path)
         if isinstance(value, str) or math.isinf(value):
             words.append(found == value)
@@ -179,15 +179,16 @@ def overridden() -> Iterator[Check | Criterion]:
 
 def meanings(problem: Problem) -> Iterator[Check]:
     """Quantities that the parts of `FILE` define, by arithmetic."""
-    x = np.array([0.3, 1.9])
+    x, initial = np.array([0.3, 1.9]), problem.initial
+    assert isinstance(initial, PolynomialShape)
     for i, at in enumerate(x):
         z = 1.9e-4 * at**2 - 3.1e-5 * at**3
         curvature = 2 * 1.9e-4 - 6 * 3.1e-5 * at
-        yield same(f"initial displacement at {at:g} m", problem.initial.displacement_at(x)[i], z, "m", ROUNDING)
+        yield same(f"initial displacement at {at:g} m", initial.displacement_at(x)[i], z, "m", ROUNDING)
         name = f"initial curvature at {at:g} m"
-        yield same(name, problem.initial.displacement_at(x, 2)[i], curvature, "1/m", ROUNDING)
+        yield same(name, initial.displacement_at(x, 2)[i], curvature, "1/m", ROUNDING)
         v = 0.07 * at + 0.011 * at**2
-        yield same(f"initial velocity at {at:g} m", problem.initial.velocity_at(x)[i], v, "m/s", ROUNDING)
+        yield same(f"initial velocity at {at:g} m", initial.velocity_at(x)[i], v, "m/s", ROUNDING)
     for i, ratio in enumerate((0.013, 0.027, 0.041, 0.041, 0.041)):
         found = problem.damping.ratios(5)[i]  # type: ignore[union-attr]
         yield same(f"damping ratio of mode {i + 1}", found, ratio, "1")

@@ -138,8 +138,8 @@ GROUND = (
         "a symmetry assumed",
         "lapjoint:stop_twins",
         "A joint is taken for its own mirror image, though the gaps of its sides differ.",
-        old="(stop.place, stop.gap, stop.stiffness), k",
-        new="(stop.place, 0.0, stop.stiffness), k",
+        old="(stop.place, stop.gap, stop.stiffness, stop.damping, stop.may_pull), k",
+        new="(stop.place, 0.0, stop.stiffness, stop.damping, stop.may_pull), k",
     ),
     Fault(
         "harmonic-phase-ignored",

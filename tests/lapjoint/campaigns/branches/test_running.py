@@ -164,7 +164,7 @@ def test_workers_find_the_same_branches_of_the_paper() -> None:
         ({"max_points": 1}, "max_points = 1: must be an integer from 2 to"),
         ({"effort": 0}, "effort = 0: must be an integer from 1 to"),
         ({"also_over": Axis("base_motion.amplitude", (1.0,))}, "is the number that changes along the branches already"),
-        ({"also_over": Axis("stops.*.gap", (1e-3, -2.0))}, r"stops\.\*\.gap = -2"),
+        ({"also_over": Axis("stops.*.stiffness", (1e8, -2.0))}, r"stops\.\*\.stiffness = -2"),
         ({"scheduler": "nowhere"}, "scheduler = 'nowhere'"),
         ({"starts": -1}, "starts = -1: must be an integer from 0 to"),
         ({"seed": -1}, "seed = -1: must be an integer from 0 to"),

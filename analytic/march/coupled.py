@@ -1,0 +1,260 @@
+r"""Contact states in which a damped stop is closed: their modes are coupled, and are turned into oscillators again.
+
+In the modes of the closed stops, of frequencies omega_i and values phi_ik at stop k, the motion obeys
+
+    q'' + D q' + K q = f(t),
+    D = diag(2 zeta_i omega_i) + sum over pressing stops of c_k phi_k phi_k^T,
+    K = diag(omega_i^2)        - sum over released stops of k_k phi_k phi_k^T,
+
+because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  The
+shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
+
+Each pair of roots lambda of the homogeneous equation is one oscillator.  With the amplitude a(t) of its eigenvector,
+P = Re a and V = P' obey P'' - 2 Re(lambda) P' + |lambda|^2 P = F(t), and
+
+    (q, q') = T (P, V - r(t)),    r = Re of the share of the loads in a',    F = s + d r + r',
+
+where s is the share of the loads in (Re lambda a)' and d = -(lambda_1 + lambda_2).  The march therefore knows (P, V) of
+a coupled state as it knows (q, v) of any other.  A place reads P and V, so its weight of a complex term is complex;
+such a term is kept twice, times 1 and times i, with two real weights.
+
+The force of a stop divided by k is the penetration at a virtual place, which moves by z + (c / k) z'.  Each damped stop
+has a second row in the tables, with that place: a closed second row presses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from analytic.march.loads import Harmonics
+from analytic.march.modal_state import ModalState
+from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
+from analytic.march.tables import IntArray, Tables, stop_positions
+from analytic.modes.beam_functions import ComplexArray
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, Problem
+
+_RIGID = 1e-8
+"""Squared frequency, relative to those of the modes, below which a state counts as free to move: the restoring force
+then is below 1e-8 of the spring's, and answers to constant loads keep half of their digits above it."""
+_NEARLY_DOUBLE = 3e6
+"""Condition number of the eigenvectors above which the damping is changed a little: results then keep nine digits."""
+_LITTLE = 1e-13
+"""Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
+_TRIES = 8  # most such changes, each twice the one before
+
+
+@dataclass(frozen=True, eq=False)
+class Coupled:
+    """The oscillators of a coupled state with ``N`` modes, under loads of real size."""
+
+    roots: ComplexArray
+    """lambda of both roots of each oscillator, 1/s, shape ``(N, 2)``."""
+    kind: IntArray
+    """How each oscillator moves freely, shape ``(N,)``."""
+    to: FloatArray
+    """T: (q, v) for unit (P, R), shape ``(2 N, 2 N)``."""
+    back: FloatArray
+    """The inverse of T."""
+    lag: ComplexArray
+    """r of each load, kg^1/2 m/s, shape ``(1 + H, N)``."""
+    push: ComplexArray
+    """F of each load, kg^1/2 m/s^2, shape ``(1 + H, N)``."""
+
+    @property
+    def damping(self) -> FloatArray:
+        """Twice the damping rates, 1/s, shape ``(N,)``."""
+        return np.asarray(-self.roots.sum(axis=1).real)
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Squared frequencies, 1/s2, shape ``(N,)``."""
+        return np.asarray(
+            np.where(self.roots.imag[:, 0] > 0, np.abs(self.roots[:, 0]) ** 2, self.roots.prod(axis=1).real)
+        )
+
+
+def damped_rows(problem: Problem) -> IntArray:
+    """The stop of each second row of the tables: of all stops with damping, ascending, shape ``(D,)``."""
+    return np.array([k for k, stop in enumerate(problem.stops) if stop.damping > 0], dtype=np.int64)
+
+
+def force_rows(problem: Problem) -> IntArray:
+    """The row of the tables whose penetration times the stiffness is each stop's force, shape ``(P,)``."""
+    rows = np.arange(len(problem.stops))
+    damped = damped_rows(problem)
+    rows[damped] = len(problem.stops) + np.arange(damped.size)
+    return rows
+
+
+def is_coupled(problem: Problem, state: ContactState) -> bool:
+    """Whether a damped stop is closed."""
+    return any(problem.stops[k].damping > 0 for k in state.closed)
+
+
+def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
+    """Roots ``(N, 2)``, T and its inverse ``(2 N, 2 N)`` of q'' + D q' + K q = 0, of symmetric matrices.
+
+    `scale`, rad/s, ``(N,)``, is a positive frequency of each coordinate.
+    """
+    values, vectors = np.linalg.eigh(K / np.outer(scale, scale))
+    null = values < _RIGID
+    if not null.any():
+        return _of_stiff(D, K, scale, 0)
+    r = int(np.count_nonzero(null))
+    B = np.linalg.qr(np.concatenate([vectors[:, null] / scale[:, None], np.eye(K.shape[0])], axis=1))[0]
+    turned, drag = B.T @ K @ B, B.T @ D @ B
+    turned[:r] = turned[:, :r] = 0.0
+    n = K.shape[0] - r
+    least = np.concatenate([np.full(r, scale.min()), np.sqrt(np.maximum(np.diag(turned)[r:], scale.min() ** 2))])
+    if np.abs(drag[:r]).max() > 1e-13 * scale.min():
+        roots, to, back = _of_stiff(drag, turned, least, r)
+    else:
+        roots, to, back = np.zeros((r, 2), dtype=complex), np.eye(2 * r), np.eye(2 * r)
+        if n:
+            others, its, inverse = _of_stiff(drag[r:, r:], turned[r:, r:], least[r:], 0)
+            roots, to, back = np.concatenate([roots, others]), _beside(to, its), _beside(back, inverse)
+    both = scipy.linalg.block_diag(B, B)
+    return roots, both @ to, back @ both.T
+
+
+def _beside(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Two maps of (q, v) as one, of the coordinates of both."""
+    a, b = one.shape[0] // 2, other.shape[0] // 2
+    whole = scipy.linalg.block_diag(one, other)
+    order = np.r_[0:a, 2 * a : 2 * a + b, a : 2 * a, 2 * a + b : 2 * (a + b)]
+    return np.asarray(whole[np.ix_(order, order)])
+
+
+def _of_stiff(
+    D: FloatArray, K: FloatArray, scale: FloatArray, zeros: int
+) -> tuple[ComplexArray, FloatArray, FloatArray]:
+    """`oscillators` of a matrix K, of which `zeros` eigenvalues are 0."""
+    n = scale.size
+    A = np.block([[np.zeros((n, n)), np.diag(scale)], [-K / scale, -D]])
+    w, V = scipy.linalg.eig(A)
+    w[np.argsort(np.abs(w))[:zeros]] = 0.0
+    columns: list[tuple[complex, complex, FloatArray, FloatArray]] = []
+    for j in np.flatnonzero(w.imag > 0):
+        v = V[:, j] / np.linalg.norm(V[:n, j] / scale)
+        q = v[:n] / scale
+        v = v * np.exp(-0.5j * np.angle(np.sum(q * q)))
+        a, b = w[j].real, w[j].imag
+        columns.append((w[j], w[j].conjugate(), v.real - a / b * v.imag, v.imag / b))
+    real = np.flatnonzero(w.imag == 0)
+    real = real[np.argsort(-w[real].real)]
+    for i, j in zip(real[: real.size // 2], real[real.size // 2 :], strict=True):
+        one, other = (V[:, k].real / np.linalg.norm(V[:n, k].real / scale) for k in (i, j))
+        other = other if one[:n] @ (other[:n] / scale**2) >= 0 else -other
+        first, second = w[i].real, w[j].real
+        columns.append(
+            (w[i], w[j], (first * other - second * one) / (first - second), (one - other) / (first - second))
+        )
+    columns.sort(key=lambda it: abs(it[0] * it[1]))
+    roots = np.array([it[:2] for it in columns])
+    size = np.maximum(np.sqrt(np.abs(roots.prod(axis=1))), np.abs(roots).max(axis=1))
+    to = np.array([it[2] for it in columns] + [it[3] * s for it, s in zip(columns, size, strict=True)]).T
+    rows, cols = np.concatenate([scale, np.ones(n)]), np.concatenate([np.ones(n), size])
+    back = np.linalg.inv(to)
+    return roots, to / np.outer(rows, cols), back * np.outer(cols, rows)
+
+
+def coupled(
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    sizes: FloatArray,
+    harmonics: Harmonics,
+) -> Coupled:
+    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
+
+    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
+    """
+    omega, n = modal.modes.omega, modal.size
+    scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
+    scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.beam.EI / problem.beam.m) / problem.beam.length**2)
+    K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
+    turning = np.concatenate([[0.0], 1j * harmonics.omega])
+    pressing = np.zeros((n, n))
+    for k in state.closed:
+        stop, phi = problem.stops[k], modal.at_stops[k]
+        if k in state.released:
+            K -= stop.stiffness * np.outer(phi, phi)
+            f += stop.stiffness * np.outer(left_out[:, k], phi)
+            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
+        elif stop.damping > 0:
+            pressing += stop.damping * np.outer(phi, phi)
+            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
+    own = np.diag(2 * modal.damping_rate)
+    for i in range(_TRIES):
+        more = _LITTLE * 2**i if i else 0.0
+        roots, to, back = oscillators(own + pressing * (1 + more), K, scale)
+        if i == 0:
+            best = roots, to, back
+        if _condition(to, scale) < _NEARLY_DOUBLE:
+            best = roots, to, back
+            break
+    roots, to, back = best
+    lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
+    push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
+    return Coupled(roots, kinds_of(roots), to, back, lag, push)
+
+
+def _condition(to: FloatArray, scale: FloatArray) -> float:
+    """Condition number of T in coordinates of one size, without unit."""
+    n = scale.size
+    sized = to * np.concatenate([scale, np.ones(n)])[:, None]
+    sized = sized / np.linalg.norm(sized, axis=0)
+    return float(np.linalg.cond(sized))
+
+
+def write_coupled(
+    tables: Tables,
+    slot: int,
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    it: Coupled,
+) -> None:
+    """Write a coupled state, under loads of real size, into its empty slot; `left_out` is as in `coupled`."""
+    n, P = modal.size, len(problem.stops)
+    oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
+    mode_of = np.concatenate([np.arange(n), split, oscillating])
+    root = np.concatenate([it.roots[:, 0], it.roots[split, 1], it.roots[oscillating, 0]])
+    terms = root.size
+    tables.modes[slot], tables.terms[slot], tables.fastest[slot] = n, terms, np.abs(root).max()
+    tables.kind[slot, :n], tables.mode_of[slot, :terms], tables.root[slot, :terms] = it.kind, mode_of, root
+    tables.inverse[slot, :terms] = np.divide(1.0, root, out=np.zeros(terms, dtype=complex), where=root != 0)
+    tables.turn[slot, :, :terms] = np.exp(np.outer(tables.step, root))
+    natural, rate = np.sqrt(it.stiffness), it.damping / 2
+    tables.static[slot, :n] = static_answer(it.push[0].real, natural, rate)
+    tables.push[slot, :, :n] = it.push
+    for h, omega in enumerate(tables.omega.tolist()):
+        tables.harmonic[slot, h, :n] = it.push[1 + h] / (it.stiffness - omega**2 + 1j * omega * it.damping)
+    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
+    plain = stops.size - damped_rows(problem).size
+    turning = np.concatenate([[0.0], 1j * tables.omega])
+    for u, k in enumerate(stops.tolist()):
+        tau = problem.stops[k].damping / problem.stops[k].stiffness if u >= plain else 0.0
+        phi = modal.at_stops[k]
+        reads = np.concatenate([phi, tau * phi]) @ it.to
+        still = left_out[:, k] * (1 + tau * turning) - it.lag @ reads[n:]
+        tables.gradient[slot, u, :, :n] = reads.reshape(2, n)
+        weight = reads[mode_of % n] + reads[n + mode_of] * root
+        tables.weight[slot, u, :terms] = weight.real
+        tables.weight[slot, u, n + split.size : terms] = weight[n + split.size :].imag
+        tables.twist[slot, u, oscillating] = weight[oscillating].imag
+        tables.constant[slot, u] = still[0].real
+        tables.forced[slot, u] = still[1:] + tables.harmonic[slot, :, :n] @ reads[:n]
+        tables.forced[slot, u] += turning[1:] * (tables.harmonic[slot, :, :n] @ reads[n:])
+    tables.own[slot] = n + split.size
+    tables.closed[slot, :P] = [k in state for k in range(P)]
+    for row, k in enumerate(damped_rows(problem).tolist(), start=P):
+        tables.closed[slot, row] = k in state and k not in state.released
+        tables.asleep[slot, row] = k not in state or problem.stops[k].may_pull
+        tables.idle[slot, tables.position[row]] = tables.asleep[slot, row]
