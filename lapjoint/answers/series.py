@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -178,7 +179,7 @@ def _headings(x: FloatArray) -> list[str]:
 
 def written(units: str) -> str:
     """Units of the CF conventions in the usual notation: ``m s-2`` as ``m/s2``."""
-    return units.replace(" s-2", "/s2").replace(" s-1", "/s")
+    return re.sub(r" ([a-z]+)-(\d)", lambda power: f"/{power[1]}{power[2].replace('1', '')}", units)
 
 
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:

@@ -37,6 +37,8 @@ is validated at its corners."""
 
 UNITS = {
     "x": "m",
+    "from": "m",
+    "to": "m",
     "gap": "m",
     "length": "m",
     "breadth": "m",
@@ -50,6 +52,10 @@ UNITS = {
     "torsional": "N m rad-1",
     "bending_stiffness": "N m2",
     "mass_per_length": "kg m-1",
+    "contents_per_length": "kg m-1",
+    "added_mass_per_length": "kg m-1",
+    "mass": "kg",
+    "rotary_inertia": "kg m2",
     "youngs_modulus": "Pa",
     "density": "kg m-3",
     "ratio": "1",
@@ -58,6 +64,8 @@ UNITS = {
     "phase": "rad",
     "rate": "Hz",
     "force": "N",
+    "force_per_length": "N m-1",
+    "acceleration": "m s-2",
 }
 """Units of the fields of a problem, by the last key of their path."""
 

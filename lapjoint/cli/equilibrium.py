@@ -25,7 +25,7 @@ _PAIR = "analytic", "fe"
 def equilibrium(problem: str, overrides: tuple[str, ...], json_path: str | None, solver: SolverChoice) -> None:
     """Print how PROBLEM rests: pressing stops, reactions, largest moment and stress, and the tip.
 
-    The loads are gravity, the uniform loads, and the constant parts of the point loads.
+    The loads are gravity, the uniform loads, the constant parts of the point loads, and stops with an interference.
     """
     from lapjoint.cli import arguments, equilibrium_printing
     from lapjoint.cli.printing import write_json

@@ -24,6 +24,7 @@ _THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of th
 _MASS = 0.3  # half the side of a mass
 _ALONG = 0.55  # height of the arrows of a uniform load above the beam
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
+_BEYOND = 1.8  # height of names beyond the ground of their stops
 _BELOW = -2.45  # height of the line of positions
 _NAME_SHOWN = 14  # characters
 _NEAR = 0.5  # distance below which two symbols would overlap
@@ -180,7 +181,8 @@ def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
 
 
 def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
-    """Write names and numbers beside the stops, or names alone without room for numbers, and the number of stops."""
+    """Write names and numbers beside the stops, or names alone where there is no room for numbers, beside the stops or
+    beyond their ground; and the number of stops."""
     for stop, name in zip(problem.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
         gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
@@ -190,20 +192,31 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
             page.say(x + 0.36, y, text, _STOP)
             or page.say(x - 0.36, y, text, _STOP, "right")
             or page.say(x + 0.36, y, short, _STOP)
+            or page.say(x, stop.sign * _BEYOND, short, _STOP, "center")
         )
     if len(problem.stops) > 1:
         page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
 
 
 def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
-    """Names, masses and rotary inertias beside the masses, where there is room."""
+    """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
+    room."""
     for mass in problem.masses:
-        lines = [cut_to(literal(mass.name), _NAME_SHOWN)] if mass.name else []
+        name, x = cut_to(literal(mass.name), _NAME_SHOWN), mass.x * scale
+        lines = [name] if name else []
         lines.append(_number("m", mass.mass, "kg"))
         if mass.rotary_inertia:
             lines.append(_number("J", mass.rotary_inertia, "kg m2"))
-        text, x, y = "\n".join(lines), mass.x * scale, _MASS + 0.1 + len(lines) * _LINE / 2
-        _ = page.say(x, y, text, GREY, "center") or page.say(x, -y, text, GREY, "center")
+        text, y = "\n".join(lines), _MASS + 0.1 + len(lines) * _LINE / 2
+        short, aside, near = _number(name or "m", mass.mass, "kg"), _MASS + 0.1, _HALF + 0.05 + _LINE / 2
+        _ = (
+            page.say(x, y, text, GREY, "center")
+            or page.say(x, -y, text, GREY, "center")
+            or page.say(x - aside, near, short, GREY, "right")
+            or page.say(x + aside, near, short, GREY)
+            or page.say(x - aside, -near, short, GREY, "right")
+            or page.say(x + aside, -near, short, GREY)
+        )
 
 
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:

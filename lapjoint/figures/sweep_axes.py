@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lapjoint.answers.series import written
 from lapjoint.figures.text import cut_to, literal
 from lapjoint.problem import FloatArray
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 _LONGEST = 20
 """Largest number of characters of a stop's name within the name of its field, to keep labels short."""
+_MEMBERS = {"stops": "stop", "supports": "support", "masses": "mass"}
+"""Lists of a problem, and the word for one member."""
 
 
 def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
@@ -87,15 +90,16 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
 
 def units(dataset: xr.Dataset, name: str) -> str:
     """The unit of a swept field, as figures write it: ``rad/s``, or ``-`` for a field without a dimension."""
-    return {"rad s-1": "rad/s", "N m-1": "N/m", "1": "-"}.get(dataset[name].units, str(dataset[name].units))
+    unit = str(dataset[name].units)
+    return "-" if unit == "1" else written(unit)
 
 
 def short_name(dataset: xr.Dataset, name: str) -> str:
     """The name of a swept field for a label: ``gap (all stops)`` instead of ``stops_all_gap``."""
     group, _, rest = str(dataset[name].attrs.get("path", name)).partition(".")
     which, _, field = rest.rpartition(".")
-    if not field or group not in ("stops", "supports"):
+    if not field or group not in _MEMBERS:
         text = name.replace("_", " ")
         return text.replace("angular frequency", "frequency") if units(dataset, name) == "Hz" else text
-    which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {group[:-1]}"
+    which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {_MEMBERS[group]}"
     return f"{field.replace('_', ' ')} ({which})"

@@ -47,6 +47,7 @@ class Problem(Part):
     title: str = ""
     """What this problem is, in a line."""
     beam: Beam
+    """The beam: its length, stiffness and mass."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
@@ -54,11 +55,17 @@ class Problem(Part):
     masses: tuple[Mass, ...] = ()
     """Masses that the beam carries at points."""
     damping: Damping = NoDamping()
+    """Damping of the beam; none, if not given."""
     base_motion: AnyBaseMotion | None = None
+    """Motion y(t) of the base; a base at rest, if not given."""
     point_loads: tuple[PointLoad, ...] = ()
+    """Forces at points, from t = 0 on."""
     gravity: Gravity | None = None
+    """Gravity along z, from t = 0 on; none, if not given."""
     uniform_loads: tuple[UniformLoad, ...] = ()
+    """Constant forces along the beam, from t = 0 on."""
     initial: InitialState = AtRest()
+    """Displacement and velocity at t = 0; straight and at rest, if not given."""
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -174,7 +181,7 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self.beam, self.stops, self.damping, self.forces)
+        return hints(self.structure, self.gravity, self.forces)
 
     @property
     def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:

@@ -28,7 +28,7 @@ translational = inf
 torsional = inf
 """
 PRESSED = (
-    JOINT + re.findall(r"^```toml\n(\[gravity\].*?)^```$", (DOCS / "problem-files.md").read_text(), re.S | re.M)[0]
+    JOINT + re.findall(r"^```toml\n(\[gravity\].*?)^```$", (DOCS / "problem-files.md").read_text(), re.S | re.M)[-1]
 )
 
 
