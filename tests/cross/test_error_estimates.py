@@ -16,11 +16,12 @@ import numpy as np
 import pytest
 from few_and_many import in_processes
 from population import stiffened_joint
+from real_joints import real_joint
 from refining import AnySolver, doubled, refined, touches
 
 import analytic
 import fe_lapjoint
-from lapjoint import SteadyState
+from lapjoint import Problem, SteadyState
 from lapjoint.answers import Contact
 from lapjoint.problem import FloatArray
 
@@ -54,9 +55,12 @@ class Judged:
         return float(self.stated.max() / max(self.true.max(), 1e-300))
 
 
-def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, ...] | None:
+Drawn = Callable[[int, int], Problem]
+
+
+def judged_steady(solver: AnySolver, drawn: Drawn, index: int) -> tuple[Judged, ...] | None:
     """Impulses, and `CONTACT_ERRORS` of the contacts, of one steady state; None if it makes none."""
-    problem = stiffened_joint(SEED, index)
+    problem = drawn(SEED, index)
     if not isinstance(solver, analytic.Solver) and not touches(
         SOLVERS[0].steady_state(problem, sensitivity=False, errors=False)
     ):
@@ -80,9 +84,9 @@ def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, ...] | None:
     return Judged(stated, np.zeros(0)), *[Judged(np.zeros(0), np.zeros(0))] * len(CONTACT_ERRORS)
 
 
-def judged_march(solver: AnySolver, index: int) -> tuple[Judged, ...]:
+def judged_march(solver: AnySolver, drawn: Drawn, index: int) -> tuple[Judged, ...]:
     """`CONTACT_ERRORS` of the contacts from rest."""
-    problem = stiffened_joint(SEED, index)
+    problem = drawn(SEED, index)
     assert problem.excitation_frequency is not None
     duration = MARCHED * 2 * math.pi / problem.excitation_frequency
     own = solver.simulate(problem, duration).contacts
@@ -145,15 +149,19 @@ def check_contacts(found: Sequence[Judged]) -> None:
 QUICK = (4, 8)
 Run = Callable[[Callable[[int], Any], Iterable[int]], Iterable[Any]]
 """How members of a population are judged: one after the other, or by several processes."""
+DRAWN_BY = (stiffened_joint, real_joint)
 
 
 @pytest.mark.parametrize(
-    ("run", "drawn", "count"),
+    ("run", "members", "count"),
     [(map, QUICK, 2), pytest.param(in_processes, range(DRAWN), COUNT, marks=pytest.mark.slow)],
 )
+@pytest.mark.parametrize("drawn", DRAWN_BY)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_steady_states_hold(solver: AnySolver, run: Run, drawn: Iterable[int], count: int) -> None:
-    results = run(partial(judged_steady, solver), drawn)
+def test_errors_of_steady_states_hold(
+    solver: AnySolver, drawn: Drawn, run: Run, members: Iterable[int], count: int
+) -> None:
+    results = run(partial(judged_steady, solver, drawn), members)
     found = list(islice((one for one in results if one is not None), count))
     assert len(found) == count
     check_joints([one[0] for one in found])
@@ -162,10 +170,11 @@ def test_errors_of_steady_states_hold(solver: AnySolver, run: Run, drawn: Iterab
 
 
 @pytest.mark.parametrize(
-    ("run", "drawn"), [(map, QUICK), pytest.param(in_processes, range(COUNT), marks=pytest.mark.slow)]
+    ("run", "members"), [(map, QUICK), pytest.param(in_processes, range(COUNT), marks=pytest.mark.slow)]
 )
+@pytest.mark.parametrize("drawn", DRAWN_BY)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_marches_hold(solver: AnySolver, run: Run, drawn: Iterable[int]) -> None:
-    found = list(run(partial(judged_march, solver), drawn))
+def test_errors_of_marches_hold(solver: AnySolver, drawn: Drawn, run: Run, members: Iterable[int]) -> None:
+    found = list(run(partial(judged_march, solver, drawn), members))
     for i in range(len(CONTACT_ERRORS)):
         check_contacts([one[i] for one in found])

@@ -129,16 +129,16 @@ def leaves(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def field(part: Any, path: str) -> Any:
-    """The value at a path of a problem."""
+    """The value at a path of a problem; ``from``, a word of Python, is called `start`."""
     for key in path.replace("[", ".").replace("]", "").split("."):
-        part = part[int(key)] if key.isdigit() else getattr(part, key)
+        part = part[int(key)] if key.isdigit() else getattr(part, "start" if key == "from" else key)
     return part
 
 
-def read_as_written(problem: Problem, how: str) -> Iterator[Check | Criterion]:
-    """Every value of `FILE` against the problem."""
+def read_as_written(problem: Problem, how: str, text: str = FILE) -> Iterator[Check | Criterion]:
+    """Every value of a file's text against the problem."""
     words = []
-    for path, value in leaves(tomllib.loads(FILE)):
+    for path, value in leaves(tomllib.loads(text)):
         found = field(problem, path)
         if isinstance(value, str) or math.isinf(value):
             words.append(found == value)

@@ -155,7 +155,78 @@ phase = 0.9
 """
 )
 """A bar between equal stops, but with an even harmonic of the base, so that no motion mirrors itself."""
-BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED, "harmonics": HARMONICS}
+LADEN = """
+title = "Bar of two segments with masses, under gravity, between a pressing stop, a stop, and a wall fixed in space"
+[beam]
+length = 1.5
+contents_per_length = 0.9
+added_mass_per_length = 0.6
+[[beam.segments]]
+to = 0.6
+bending_stiffness = {stiffness}
+mass_per_length = 5.0
+[[beam.segments]]
+to = 1.5
+bending_stiffness = {stiffness}
+mass_per_length = 2.2
+[[supports]]
+x = 0.0
+translational = 1100.0
+[[supports]]
+x = 0.9
+translational = 1400.0
+torsional = 130.0
+[[masses]]
+x = 1.5
+mass = 0.8
+rotary_inertia = 0.05
+[[masses]]
+x = 0.6
+mass = 1.3
+[[stops]]
+x = 0.3
+side = "top"
+gap = -1.5e-3
+stiffness = 2600.0
+[[stops]]
+x = 1.2
+side = "bottom"
+gap = 2.6e-2
+stiffness = 4200.0
+[[stops]]
+x = 1.5
+side = "top"
+gap = -4.0e-3
+stiffness = 3300.0
+fixed_to = "space"
+[gravity]
+acceleration = -2.7
+[[uniform_loads]]
+from = 0.75
+force_per_length = -6.0
+[[uniform_loads]]
+from = 0.15
+to = 0.45
+force_per_length = 11.0
+[damping]
+kind = "modal"
+ratio = [0.04, 0.07, 0.6]
+[base_motion]
+amplitude = 6e-3
+angular_frequency = 13.0
+phase = 0.4
+[initial]
+kind = "polynomial"
+velocity = [0.03, -0.04]
+"""
+BARS = {
+    "springs": SPRINGS,
+    "mirror": MIRROR,
+    "uneven": UNEVEN,
+    "doubled": DOUBLED,
+    "harmonics": HARMONICS,
+    "laden": LADEN,
+}
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ def integrated(bar: RigidBar, end: float) -> np.ndarray:
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         u, v = y[:n], y[n:]
-        closed = frozenset(k for k in range(len(bar.stops)) if bar.gap_function(k, u) > 0)
+        closed = frozenset(k for k in range(len(bar.stops)) if bar.gap_function(k, u, t) > 0)
         C, K, rest = bar.matrices(closed)
-        force = K @ rest + sum(f * np.sin(w * t + phase) for f, w, phase in bar.harmonics)
+        force = K @ rest + sum(f * np.sin(w * t + phase) for f, w, phase in bar.harmonics_in(closed))
         return np.concatenate([v, inverse @ (force - C @ v - K @ u)])
 
     start = np.concatenate(bar.initial)
