@@ -150,6 +150,7 @@ class Problem(Part):
             f"{purpose}: the excitation must have one angular_frequency, or whole multiples of the lowest; "
             + (there or "there is neither a base_motion with an amplitude nor a periodic load with a force")
             + "; `lapjoint simulate`, and `simulate` in Python, follow any motion from its start"
+            + ("" if there else "; `lapjoint equilibrium` says how the joint rests")
         )
 
     def require_excitation_period(self, purpose: str) -> float:

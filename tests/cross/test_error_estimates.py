@@ -147,16 +147,20 @@ def check_contacts(found: Sequence[Judged]) -> None:
 
 
 QUICK = (4, 8)
+SOME = 10  # real joints in a thorough run: a median over two says little
 Run = Callable[[Callable[[int], Any], Iterable[int]], Iterable[Any]]
 """How members of a population are judged: one after the other, or by several processes."""
 DRAWN_BY = (stiffened_joint, real_joint)
 
 
 @pytest.mark.parametrize(
-    ("run", "members", "count"),
-    [(map, QUICK, 2), pytest.param(in_processes, range(DRAWN), COUNT, marks=pytest.mark.slow)],
+    ("drawn", "run", "members", "count"),
+    [
+        (stiffened_joint, map, QUICK, 2),
+        pytest.param(real_joint, map, range(DRAWN), SOME, marks=pytest.mark.thorough),
+        *(pytest.param(each, in_processes, range(DRAWN), COUNT, marks=pytest.mark.slow) for each in DRAWN_BY),
+    ],
 )
-@pytest.mark.parametrize("drawn", DRAWN_BY)
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_errors_of_steady_states_hold(
     solver: AnySolver, drawn: Drawn, run: Run, members: Iterable[int], count: int

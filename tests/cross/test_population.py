@@ -24,7 +24,7 @@ FINITE_ELEMENTS = fe_lapjoint.Solver(elements=8)  # a coarse beam is a beam, too
 COUNT, SEED = 600, 31415  # problems that decide; nothing was ever chosen by how this seed goes
 QUICK_SEED, QUICK = 2, (6, 11, 27, 28, 33, 43)  # free vibration dies away soon in these
 QUICK_HARMONICS = (5, 11, 27, 43)  # of the same seed, driven by harmonics, and so in these
-QUICK_REAL = (3, 7, 11, 35)  # of the same seed, with masses, steps, static loads, preload, stops in space
+QUICK_REAL = (11, 35)  # of the same seed, with masses, steps, static loads, preload, stops in space
 HARMONICS = 120  # problems driven by harmonics
 REAL = 200  # with masses, steps, static loads, preload, stops in space
 MOST_UNDECIDED = 0.05
@@ -65,7 +65,7 @@ def test_no_certificate_of_a_few_random_joints_is_false(solver: AnySolver) -> No
 
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_real_joints_is_false(solver: AnySolver) -> None:
-    check(judged(solver, real_joint, QUICK_SEED, i) for i in QUICK_REAL[:: 1 + (solver is FINITE_ELEMENTS)])
+    check(judged(solver, real_joint, QUICK_SEED, i) for i in QUICK_REAL)
 
 
 @pytest.mark.thorough

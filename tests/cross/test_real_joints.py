@@ -8,7 +8,9 @@ their errors judged in `test_error_estimates`.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -23,15 +25,19 @@ from validation.coexistence import Motion, why_they_differ
 
 pytestmark = pytest.mark.long_march
 
-SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=12))
-SEED, COUNT = 6023, 200
-FEW = (3, 5, 11, 15, 23, 35)  # masses, steps, preload, and several at once
+LONGEST = 500  # excitation periods, after which a motion that has not been told is not waited for
+SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
+    analytic.Solver(max_periods=LONGEST),
+    fe_lapjoint.Solver(elements=10, max_periods=LONGEST),
+)
+SEED, DRAWN, COUNT = 6023, 320, 200  # joints drawn, and how many that both solvers decide on are compared
+FEW = (7, 35)  # gravity, and several at once
+MORE = (5, 9, 15, 17)  # fluids, a uniform load, and several at once
 REST = 10  # joints whose equilibria a quick run compares
 MARGIN = 3.0  # of both stated errors together, which are estimates
 DEVIATIONS = 4.0  # standard errors of mean impulses of motions that do not repeat
 ROUNDING = 1e-8  # of the largest impulse: to which an orbit closes
 MOST_MISSED = 0.03  # of all motions compared; stated errors are to cover 19 of 20, and here there are two
-MOST_UNDECIDED = 0.05
 
 
 @dataclass(frozen=True)
@@ -74,21 +80,23 @@ def times_allowed(one: SteadyState, other: SteadyState) -> float:
     return float(np.max(apart / (allowed + ROUNDING * size + math.ulp(0.0)), initial=0.0))
 
 
-def check(found: list[Settled]) -> None:
-    """Fail unless nearly all motions agree, and those that do not exist side by side."""
-    apart = [f"{it.title}: {it.why}" for it in found if it.verdict == "apart"]
-    undecided = [it.title for it in found if it.verdict == "undecided"]
-    assert len(apart) <= MOST_MISSED * len(found), "\n".join(apart)
-    assert len(undecided) <= MOST_UNDECIDED * len(found), undecided
+def check(found: Iterable[Settled], count: int) -> None:
+    """Fail unless of `count` joints that both solvers decide on nearly all agree, or their motions exist side by
+    side."""
+    decided = list(islice((it for it in found if it.verdict != "undecided"), count))
+    apart = [f"{it.title}: {it.why}" for it in decided if it.verdict == "apart"]
+    assert len(decided) == count
+    assert len(apart) <= MOST_MISSED * count, "\n".join(apart)
 
 
-def test_both_solvers_agree_where_a_few_real_joints_settle() -> None:
-    check([settled(index) for index in FEW])
+@pytest.mark.parametrize("members", [FEW, pytest.param(MORE, marks=pytest.mark.thorough)])
+def test_both_solvers_agree_where_a_few_real_joints_settle(members: tuple[int, ...]) -> None:
+    check(map(settled, members), len(members))
 
 
 @pytest.mark.slow
 def test_both_solvers_agree_where_many_real_joints_settle() -> None:
-    check(list(in_processes(settled, range(COUNT))))
+    check(in_processes(settled, range(DRAWN)), COUNT)
 
 
 @pytest.mark.parametrize("count", [REST, pytest.param(COUNT, marks=pytest.mark.slow)])

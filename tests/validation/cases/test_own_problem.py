@@ -82,6 +82,8 @@ def judged(index: int) -> tuple[str, int, list[tuple[str, float]], list[str]]:
         parts = [own_problem.frequencies, own_problem.transient]
         if problem.excitation_frequency is not None:
             parts.append(own_problem.steady)
+        if own_problem.has_equilibrium(problem):
+            parts.append(own_problem.equilibrium)
         results = [part(problem, "quick", lambda text: None) for part in parts]
     checks = [check for result in results for check in result.checks]
     missed = [(it.name, abs(it.difference) / it.allowed) for it in checks if it.verdict is Verdict.DISAGREE]
