@@ -12,6 +12,7 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import Coordinates
 from lapjoint.answers import Contact, History
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.dissipation import with_dissipation
 from lapjoint.problem import FloatArray
 
 
@@ -61,7 +62,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
     pieces = [_later(piece, i * period) for i, motion in enumerate(motions, first) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
     states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]
-    return History(
+    made = History(
         problem=model.problem,
         solver=name,
         start=pieces[0].start,
@@ -72,6 +73,9 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
+    if not model.damped:
+        return made
+    return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
 
 
 def _later(piece: Piece, offset: float) -> Piece:
