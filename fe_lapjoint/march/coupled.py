@@ -245,10 +245,10 @@ class CoupledFlow(Flow):
         self.terms = system.shares * self._amplitudes
         self._sizes = system.moduli_of_shares @ np.concatenate([self._moduli, np.abs(y)])
         self.free = own.reshape(2, -1)
-        self._rest = None if system.free.rest is None else system.steady * [0.0, 1.0, 1.0]
-        if self._rest is not None:
-            self._rest[:, 0] += system.free.rest[0] @ own
-            self._rest[:, 1] += system.free.rest[1] @ own
+        self._rest = None
+        if system.free.rest is not None:
+            self._rest = system.steady * [0.0, 1.0, 1.0]
+            self._rest[:, :2] += (system.free.rest @ own).T
 
     _rest: FloatArray | None
     """Coefficients of 1, s, s^2 in the modal displacements beside the terms, shape ``(n, 3)``."""
@@ -325,6 +325,25 @@ class CoupledFlow(Flow):
             still = it.places @ it.steady[:, 1]
             areas += rest @ [T, T**2 / 2, T**3 / 3] + it.delay * (rest[:, 1] * T + rest[:, 2] * T**2 - still * T)
         return np.asarray(areas[it.force_place])
+
+    def work_on(self, k: int, sign: float, gap: float, end: float) -> float:
+        """The integral of (z + (c / k) z' - sign gap) z' at closed damped stop `k` to `end`, m2: times the stiffness,
+        the energy that the stop takes.
+
+        Products of terms are exponentials again.  `Coupled.plain` is required.
+        """
+        it, T = self.system, end - self.start
+        rates = it.rates_of_terms
+        one, other = self.terms[it.force_place[k]].copy(), self.terms[it.row_places[k]] * rates
+        one[-1] -= sign * gap  # the last term is constant
+
+        def integral(sums: ComplexArray) -> ComplexArray:
+            still = sums == 0
+            return np.where(still, T, np.expm1(sums * T) / np.where(still, 1.0, sums))
+
+        both = one @ integral(rates[:, None] + rates) @ other
+        crossed = one @ integral(rates[:, None] + rates.conj()) @ other.conj()
+        return float(both.real + crossed.real) / 2
 
     @cached_property
     def envelope(self) -> Envelope:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import Coordinates
@@ -73,7 +74,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
-    if not model.damped:
+    if all(model.system(state).plain for state in states if isinstance(model.system(state), Coupled)):
         return made
     return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
 
@@ -99,6 +100,7 @@ def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contac
                     end=contact.end,
                     impulse=before.impulse + contact.impulse,
                     peak_force=max(before.peak_force, contact.peak_force),
+                    dissipated=before.dissipated + contact.dissipated,
                     open_end=contact.open_end,
                 )
             if contact.open_end:

@@ -152,6 +152,8 @@ class _LastingContact:
     """Time integral of the penetration so far, m s."""
     deepest: float = 0.0
     """Largest penetration so far, m."""
+    work: float = 0.0
+    """Energy that a damped stop took so far, J."""
 
 
 @dataclass
@@ -359,6 +361,9 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         area = system.stops @ piece.coordinates(t, 0) @ w
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
+        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
+            sign, gap = float(model.sign[k]), float(model.gap[k])
+            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
     if not peaks:
         return
     gaps = _gaps(model, piece)
@@ -390,4 +395,5 @@ def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end:
         peak_force=stiffness * max(it.deepest, 0.0),
         open_start=it.open_start,
         open_end=open_end,
+        dissipated=it.work,
     )

@@ -16,7 +16,6 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, ModalDamping, Problem
 from lapjoint.problem.ramps import Ramps
 
-
 _ALL = slice(None)
 
 
@@ -141,7 +140,7 @@ class Model:
         return matrix
 
     def orientation(self, state: ContactState) -> FloatArray:
-        """Signs, ``(P,)``, one for each of `rows`, with which ``orientation * z - offset`` rises through 0 at the next switch of each stop."""
+        """Signs, ``(P,)``, one for each of `rows`: ``orientation * z - offset`` rises through 0 at the next switch."""
         return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:

@@ -26,12 +26,12 @@ from fe_lapjoint.march.coupled import Coupled, CoupledFlow
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.propagator import free_response
-from fe_lapjoint.march.system import IndexArray, System
+from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
-Array = TypeVar("Array", bound=npt.NDArray[np.generic])
+Array = TypeVar("Array", FloatArray, ComplexArray)
 DEAD = 40.0
 """Decay time constants after which a mode has died out: exp(-40) is below the rounding of the other modes."""
 _ALIVE = 0.75
