@@ -191,9 +191,10 @@ def march(
     """March from `start` to `end`, s, in steps from switch to switch.
 
     `y` holds (q, q') at the start in the modes of `state`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.  `record` says
-    whether contacts are listed, `peaks` whether their peak forces are found, `keep` whether every piece of the motion
-    is kept, or the last alone.  A SolverError is raised if the integrator fails, if there are more than `max_switches`
-    switches, if the switches of one stop crowd (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
+    whether contacts are listed, `peaks` whether their peak forces, and the energies that damped stops take, are found,
+    `keep` whether every piece of the motion is kept, or the last alone.  A SolverError is raised if the integrator
+    fails, if there are more than `max_switches` switches, if the switches of one stop crowd
+    (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
     """
     window, longest, size = window_of(model, state), longest_window(model, state, end - start), 0.0
     if keep and model.problem.forces.ramps is None:
@@ -361,15 +362,15 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         area = system.stops @ piece.coordinates(t, 0) @ w
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
-        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
-            sign, gap = float(model.sign[k]), float(model.gap[k])
-            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
     if not peaks:
         return
     gaps = _gaps(model, piece)
     for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
+        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
+            sign, gap = float(model.sign[k]), float(model.gap[k])
+            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
 
 
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:

@@ -53,7 +53,8 @@ def check_flow(seed: int) -> None:
     flow = flow_from(system, 0.3, y)
     later, at = flow.at(0.3 + t), np.array([0.3 + t])
     n, acceleration = system.omega.size, system.rates(0.3 + t, later)[system.omega.size :]
-    assert flow.at(0.3) * size == pytest.approx(y * size, abs=1e-9)
+    amount = 1.0 + float(np.abs(system.still * size).max())  # what free and forced motion cancel from
+    assert np.abs((flow.at(0.3) - y) * size).max() < 1e-9 * amount
     assert flow(at, 1)[:, 0] == pytest.approx(later[n:], abs=1e-12)
     assert np.abs(flow(at, 2)[:, 0] - acceleration).max() < 1e-9 * np.abs(acceleration).max()
     assert flow.at_stops(at)[:, 0][: system.stops.shape[0]] == pytest.approx(system.stops @ later[:n], abs=1e-9)
@@ -134,10 +135,10 @@ def test_a_bar_on_a_pin_moves_as_its_closed_form(damping: float, may_pull: bool,
     assert motion.evaluate(1.0, 1.0)[0, 0] == pytest.approx(z, abs=2e-4)
 
 
-def check_motion(seed: int) -> int:
-    """Compare a march with the witness; the number of switches that end or begin a force alone."""
+def check_motion(seed: int, end: float = 2.0) -> int:
+    """Compare a march to `end`, s, with the witness; the number of switches that end or begin a force alone."""
     model = random_damped_mesh(np.random.default_rng(seed))
-    problem, state, end, P = model.problem, initial_state(model), 2.0, len(model.problem.stops)
+    problem, state, P = model.problem, initial_state(model), len(model.problem.stops)
     y = initial_coordinates(model.assembly, model.system(state))
     motion, mesh = march(model, state, y, 0.0, end), MeshForWitness(model)
     witness = witnessed(mesh, state, *mesh.in_modes(state, y), end)  # type: ignore[arg-type]
@@ -166,7 +167,7 @@ def check_motion(seed: int) -> int:
 
 
 def test_motions_switch_where_brute_force_finds_it() -> None:
-    assert check_motion(8) > 0
+    assert check_motion(15, 0.4) > 0
 
 
 @pytest.mark.slow
@@ -191,7 +192,7 @@ def check_tangent(seed: int) -> None:
     rows = [piece.switched for piece in motion.pieces if piece.switched >= 0]
     matrix = Carried(model, motion, np.eye(2 * n)).end
     weight, best = 1 / np.concatenate([np.ones(n), np.full(n, 30.0)]), math.inf
-    for size in (1e-5, 1e-6, 1e-7):
+    for size in (1e-6, 1e-7, 1e-8):
         columns = []
         for i in range(2 * n):
             ends = []
@@ -236,12 +237,12 @@ def check_steady(seed: int) -> bool:
 
 
 def test_a_certified_motion_stays() -> None:
-    assert check_steady(1)
+    assert all(check_steady(seed) for seed in (1, 2, 3, 5))
 
 
 @pytest.mark.slow
 def test_certified_motions_stay() -> None:
-    assert sum(check_steady(seed) for seed in range(2, 40)) >= 25
+    assert sum(check_steady(seed) for seed in range(6, 60)) >= 40
 
 
 def test_what_damped_stops_do_not_reach_is_refused() -> None:
@@ -250,3 +251,7 @@ def test_what_damped_stops_do_not_reach_is_refused() -> None:
         _ = Solver(elements=2).period_map(problem).arcs
     with pytest.raises(InputError, match=r"stops\[0\]\.damping = .*method = 'exact', and not with 'Radau'"):
         Solver(elements=2, method="Radau").simulate(problem, 1.0)
+    record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}
+    shaken = problem.model_dump() | {"base_motion": None, "point_loads": [record]}
+    with pytest.raises(InputError, match=r"stops\[0\]\.damping = .*not with records or random motion"):
+        Solver(elements=2).simulate(Problem.model_validate(shaken), 0.3)
