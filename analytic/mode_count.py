@@ -14,12 +14,14 @@ this force, divided by the impulse of the impact, is e_N with
 
     omega_c^2 = 4 k c / M,
 
-as Phi^2 is at most 4 / M, M being the beam's mass.  Hence e_N falls as k^2 N^-7.  The factor c is above 1, because the
-error of one impact is carried into the next impacts: c is 3.  Without a modal damping ratio, which damps the left-out
-modes before the next contact, c is twice as large.  Between two opposite stops whose room is a small part of the base's
-motion Y the beam is pressed rather than thrown against a stop.  There c is the ratio of the two impulses, 2 sqrt(g /
-Y), with half the room for g, if the ratio is below 3.  Both constants are measured, on random joints of one to four
-stops anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many modes: docs/theory.md has the table.
+as Phi^2 is at most 4 / M, M being the beam's mass.  Of a beam with steps it is, for fast modes, M = m^(3/4) EI^(1/4)
+times the integral of (m / EI)^(1/4), with m and EI at the stop; a mass at the stop makes Phi smaller.  Hence e_N falls
+as k^2 N^-7.  The factor c is above 1, because the error of one impact is carried into the next impacts: c is 3.
+Without a modal damping ratio, which damps the left-out modes before the next contact, c is twice as large.  Between two
+opposite stops whose room is a small part of the base's motion Y the beam is pressed rather than thrown against a stop.
+There c is the ratio of the two impulses, 2 sqrt(g / Y), with half the room for g, if the ratio is below 3.  Both
+constants are measured, on random joints of one to four stops anywhere, 1 to 1e7 EI / L^3 stiff, against twice as many
+modes: docs/theory.md has the table.
 
 A load that is present at t = 0 excites every mode, and inertia does not help: the left-out modes start from their
 equilibrium here, although in truth they are at rest.  For a step load the compliance of the left-out modes at the load,
@@ -34,18 +36,17 @@ An initial state other than the straight beam at rest also requires that the mod
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from analytic.march.initial_state import initial_coordinates
+from analytic.march.loads import MOVED_STOPS, acting
 from analytic.march.modal_state import LoadedStructure, loaded_structure
-from analytic.modes.beam_functions import integral
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState, closed_together, places
-from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem, Stop
+from lapjoint.problem import AtEquilibrium, AtRest, Beam, FloatArray, ModalDamping, Problem, Stop
 from lapjoint.problem.load_shape import LoadShape
 
 LEAST, MOST = 10, 320
@@ -103,8 +104,8 @@ class _Criterion:
     contact_squares: tuple[float, ...]
     """omega_c^2 of each stop's own contacts, (rad/s)^2."""
     sudden: tuple[tuple[LoadShape, float, float], ...]
-    """Loads that are already there at t = 0: their position, m, or None if uniform; their lowest frequency, rad/s; and
-    their size at t = 0 divided by the largest size that all loads at this position can have."""
+    """Loads that are already there at t = 0: their shape; their lowest frequency, rad/s; and their size at t = 0
+    divided by the largest size that all loads of this shape can have."""
 
 
 def _criterion(problem: Problem) -> _Criterion:
@@ -123,7 +124,7 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
     """See `_Criterion.sudden`."""
     forces, usual = problem.forces, problem.forces.usual_rate
     constant = [(f.shape, f.force) for f in forces.constant] + (
-        _presses(problem.stops) if isinstance(problem.initial, AtRest) else []
+        _presses(problem) if isinstance(problem.initial, AtRest) else []
     )
     loads: list[tuple[LoadShape, float, float, float]] = [(shape, 0.0, f, abs(f)) for shape, f in constant]
     loads += [(f.shape, f.angular_frequency, float(f.at(np.zeros(1))[0]), abs(f.amplitude)) for f in forces.harmonic]
@@ -137,9 +138,14 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
     return tuple(found)
 
 
-def _presses(stops: Sequence[Stop]) -> list[tuple[LoadShape, float]]:
-    """Where stops press the straight beam, and their forces on it, N, positive upwards."""
-    return [(LoadShape.at(stop.x), stop.sign * stop.stiffness * stop.gap) for stop in stops if stop.gap < 0]
+def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
+    """Where stops press the straight beam at t = 0, and their forces on it, N, positive upwards."""
+    base, found = sum(wave.amplitude * math.sin(wave.phase) for wave in problem.moved_stops), []
+    for stop in problem.stops:
+        depth = stop.sign * base * stop.in_space - stop.gap
+        if depth > 0:
+            found.append((LoadShape.at(stop.x), -stop.sign * stop.stiffness * depth))
+    return found
 
 
 def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
@@ -147,10 +153,17 @@ def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
     c, base = _IMPACTS, problem.base_motion
     opposite = [other.gap for other in problem.stops if other.place == stop.place and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
-    if opposite and len(waves) == 1 and not problem.point_loads:
+    if opposite and len(waves) == 1 and not problem.point_loads and not stop.in_space:
         room = max(stop.gap + min(opposite), 0.0)  # none where the gaps overlap
         c = min(c, 2 * math.sqrt(room / 2 / waves[0]))
-    return 4 * c * ringing * stop.stiffness / (problem.beam.m * problem.beam.length)
+    return 4 * c * ringing * stop.stiffness / _mass_met(problem.beam, stop.x)
+
+
+def _mass_met(beam: Beam, x: float) -> float:
+    """M of the module's head at a position, m, kg: the least of both sides at a step."""
+    waves = sum((piece.end - piece.start) * (piece.inertia / piece.EI) ** 0.25 for piece in beam.pieces)
+    here = [piece for piece in beam.pieces if piece.start <= x <= piece.end]
+    return float(min(piece.inertia**0.75 * piece.EI**0.25 for piece in here) * waves)
 
 
 def _error(criterion: _Criterion, pool: int) -> FloatArray:
@@ -196,7 +209,7 @@ class _ModalSums:
     loads: FloatArray
     """e_N divided by the square of the fastest frequency of the response to the loads, s^2, shape ``(pool - 1,)``."""
     starts: dict[LoadShape, tuple[_SuddenAnswer, _SuddenAnswer]]
-    """Answers of the two states to a load at each position, m, or, under None, to a uniform load."""
+    """Answers of the two states to a load of each shape."""
 
 
 @lru_cache(maxsize=32)
@@ -204,6 +217,7 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
     problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
+    pressed = [LoadShape.at(stop.x) for stop in problem.stops if stop.gap < 0 or stop.in_space]
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
     return _ModalSums(
@@ -212,7 +226,8 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
         loads=np.max([_over_square(modes, least) for modes in both], axis=0),
         starts={
             x: (_sudden_answer(both[0], x), _sudden_answer(both[-1], x))
-            for x in (*(f.shape for f in constant), *(shape for shape, _ in _presses(problem.stops)), *loaded.positions)
+            for x in (*(f.shape for f in constant), *pressed, *loaded.positions)
+            if x != MOVED_STOPS
         },
     )
 
@@ -236,12 +251,14 @@ def _over_square(modes: NormalModes, share: FloatArray) -> FloatArray:
 
 
 def _sudden_answer(modes: NormalModes, shape: LoadShape) -> _SuddenAnswer:
-    """The answer of one state's modes to a load at a position, m, or to a uniform load."""
+    """The answer of one state's modes to a load."""
     if shape.pieces:
-        along = modes.shapes(np.linspace(0.0, modes.shapes.nodes[-1], _POSITIONS))
-        parts = along * (shape.pieces[0][2] * integral(modes.shapes))[:, None]
+        where = np.linspace(0.0, modes.shapes.nodes[-1], _POSITIONS)
     else:
-        parts = modes.shapes(np.array([shape.points[0][0]])) ** 2
+        where = np.array([x for x, _ in shape.points])
+    along = acting(LoadShape(pieces=shape.pieces), modes.shapes.nodes).modal(modes.shapes)[0]
+    at_points = modes.shapes(np.array([x for x, _ in shape.points])) @ np.array([force for _, force in shape.points])
+    parts = modes.shapes(where) * (along + at_points)[:, None]
     square = modes.omega**2
     tail = np.abs(parts / np.where(square > 0, square, np.inf)[:, None])[::-1].cumsum(axis=0)[::-1].max(axis=1)
     return _SuddenAnswer(parts, square, tail[1:])
@@ -252,7 +269,7 @@ def _enough(criterion: _Criterion, tolerance: float, pool: int) -> int:
     problem, error = criterion.problem, _error(criterion, pool)
     small = np.flatnonzero(error <= tolerance)
     count = max(LEAST, int(small[0]) + 1 if small.size else pool)
-    if isinstance(problem.initial, AtRest):
+    if isinstance(problem.initial, AtRest | AtEquilibrium):
         return count
     return max(count, _shape_count(problem, pool))
 

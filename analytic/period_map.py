@@ -100,9 +100,10 @@ class PeriodMap:
         if self.joint.change_by(field) is None or value <= 0:
             return None
         amplitude, omega = (value, base.angular_frequency) if field == AMPLITUDE else (base.amplitude, value)
-        sizes = np.array([1.0, base_acceleration(amplitude, omega)])
-        harmonics = Harmonics(np.array([omega]), self.joint.harmonics.phase)
-        changes = {field: change_with(field, value, np.ones(1))}
+        moved = self.joint.harmonics.phase.size - 1
+        sizes = np.array([1.0, base_acceleration(amplitude, omega), *[amplitude] * moved])
+        harmonics = Harmonics(np.full(1 + moved, omega), self.joint.harmonics.phase)
+        changes = {field: change_with(field, value, np.ones(1), moved)}
         driven = DrivenProblem(self.joint.loaded, Excitation(harmonics, sizes, 2 * math.pi / omega, changes), problem)
         return PeriodMap(Joint(driven, *self.joint.counts, self.joint.side), self.name)
 

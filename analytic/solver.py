@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.answers.equilibrium import Equilibrium
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.machine.one_thread import each_in_one_thread, in_one_thread
@@ -166,6 +167,12 @@ class Solver:
 
         found = exact_modes(problem, state, count)
         return Modes(state, found.omega, found.shapes)
+
+    def equilibrium(self, problem: Problem) -> Equilibrium:
+        """The static equilibrium, in closed form. See `lapjoint.solver.Rests.equilibrium`."""
+        from analytic.equilibrium import equilibrium
+
+        return equilibrium(problem, "analytic (static, closed form)")
 
     @in_one_thread
     def simulate(

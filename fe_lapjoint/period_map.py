@@ -279,12 +279,13 @@ class PeriodMap:
         """The section point with the contact state that its displacements imply."""
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
-        depth = model.sign * z - model.gap
+        base = [model.undamped(point.state).seen_motion(np.zeros(1), dt)[:, 0] for dt in (0, 1)]
+        depth = model.sign * (z + base[0]) - model.gap
         free = np.abs(point.coordinates[0, assembly.free])
         unclear = np.abs(depth) <= _TOUCHING * (np.abs(model.gap) + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
         released = []
-        rate = assembly.stop_rows @ point.coordinates[1, assembly.free]
+        rate = assembly.stop_rows @ point.coordinates[1, assembly.free] + base[1]
         for k in model.damped:
             stop = self.problem.stops[k]
             pull = -(depth[k] + stop.damping / stop.stiffness * stop.sign * rate[k])

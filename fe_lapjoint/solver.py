@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.answers.equilibrium import Equilibrium
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.machine.one_thread import each_in_one_thread, in_one_thread
@@ -42,7 +43,8 @@ class Solver:
     Parameters
     ----------
     elements : int
-        Approximate number of elements along the beam; every support, stop and point load gets a node in addition.
+        Approximate number of elements along the beam; every support, stop, mass, step and load gets a node in
+        addition; along a stepped beam elements are shorter where its waves are.
     nodes : tuple of float, optional
         Nodes of a graded mesh, m, instead of `elements`.
     method : str
@@ -136,6 +138,13 @@ class Solver:
         from fe_lapjoint import answers
 
         return answers.modes(self, problem, state, count)
+
+    @in_one_thread
+    def equilibrium(self, problem: Problem) -> Equilibrium:
+        """The static equilibrium, by a quadratic program on a mesh. See `lapjoint.solver.Rests.equilibrium`."""
+        from fe_lapjoint.equilibrium import equilibrium
+
+        return equilibrium(problem)
 
     @in_one_thread
     def simulate(

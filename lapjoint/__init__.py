@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from lapjoint.campaigns import FREQUENCY, Axis, basins, branch, confirm, statistics, sweep
     from lapjoint.errors import InputError, SolverError
     from lapjoint.problem import (
+        AtEquilibrium,
         BaseMotion,
         Beam,
         BeamSegment,
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
 __all__ = [
     "FREE",
     "FREQUENCY",
+    "AtEquilibrium",
     "Axis",
     "BaseMotion",
     "Beam",

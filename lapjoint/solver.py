@@ -9,6 +9,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from lapjoint.answers import History, Modes
 from lapjoint.answers.contact_state import FREE, ContactState
+from lapjoint.answers.equilibrium import Equilibrium
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
@@ -165,6 +166,35 @@ class Streams(Protocol):
             If the solver cannot treat such a problem.
         SolverError
             If the march cannot go on.
+        """
+
+
+@runtime_checkable
+class Rests(Protocol):
+    """A solver that finds static equilibria."""
+
+    def equilibrium(self, problem: Problem) -> Equilibrium:
+        """The static equilibrium of a problem under its static loads.
+
+        The loads are gravity, the uniform loads and the constant parts of the point loads.  A moving base and loads
+        that change with time do not count; stops that are fixed to space are where they are at y = 0.
+
+        Parameters
+        ----------
+        problem : Problem
+            The joint and its loads.
+
+        Returns
+        -------
+        Equilibrium
+            The deflected shape and all forces; of several equilibria the one nearest to the straight beam.
+
+        Raises
+        ------
+        InputError
+            If there is none, because the loads drive a rigid motion that neither supports nor stops resist.
+        SolverError
+            If rounding hides which stops press.
         """
 
 

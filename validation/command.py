@@ -24,7 +24,7 @@ def _cases() -> tuple[str, ...]:
 @click.argument("problem", type=PROBLEM, required=False)
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Change one value of PROBLEM; repeatable.")
 @click.option(
-    "--case", "cases", multiple=True, metavar="NAME", type=Offering(_cases), help="Run this case only; repeatable."
+    "--case", "cases", multiple=True, metavar="NAME", type=Offering(_cases), help="Run only this case; repeatable."
 )
 @click.option(
     "--peers",
@@ -32,20 +32,20 @@ def _cases() -> tuple[str, ...]:
     multiple=True,
     metavar="NAME",
     type=SOLVER,
-    help="Compare with this solver too, as opensees, or opensees:dt=2e-5,elements=20; repeatable: adds the case peers.",
+    help="Also compare with this solver, in the case peers: opensees, or opensees:dt=2e-5,elements=20; repeatable.",
 )
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")
-@click.option("--faults", is_flag=True, help="Put faults into the program, one at a time, and tell what catches each.")
-@click.option("--fault", "fault_names", multiple=True, metavar="NAME", help="This fault only; repeatable.")
+@click.option("--faults", is_flag=True, help="Put faults into the program, one at a time, and say what catches each.")
+@click.option("--fault", "fault_names", multiple=True, metavar="NAME", help="Put this fault only; repeatable.")
 @click.option(
-    "--quickest", type=click.IntRange(1), metavar="N", help="Only the N faults that an earlier run caught fastest."
+    "--quickest", type=click.IntRange(1), metavar="N", help="Put only the N faults that an earlier run caught fastest."
 )
 @click.option(
     "--workers",
     type=click.IntRange(1),
     metavar="N",
-    help="Number of faults that are tried at once.  [default: all processors]",
+    help="Number of faults tried at once.  [default: one per processor]",
 )
 @click.option(
     "-o",
@@ -55,7 +55,7 @@ def _cases() -> tuple[str, ...]:
     show_default=True,
     metavar="DIR",
     type=DIRECTORY,
-    help="Where the report goes.",
+    help="Directory of the report.",
 )
 @click.option("--list", "list_cases", is_flag=True, help="List the cases and stop.")
 def validate(

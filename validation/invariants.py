@@ -1,22 +1,21 @@
-"""The solver-blind witness: what must hold of any motion, checked from a History alone.
+"""Invariants that every motion must satisfy, checked from a History alone.
 
-The witness knows the problem and may evaluate displacement and velocity anywhere; it does not know how they were
-computed.
+This witness is independent of the solvers: it knows the problem, and evaluates displacement and velocity anywhere, but
+does not know how they were computed.
 
 - energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
-  damping dissipation is C int z_t^2 dx; under modal damping it is not local, and only its sign can be asked for;
-- force law and gaps: a stop that the contact state has as closed is pressed, and no other stop is;
-- momentum: where no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base,
-  point loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular
-  momentum;
-- impulse: the stated one is the time integral of the force law;
+  damping dissipation is C int z_t^2 dx.  Under modal damping it is not local, and only its sign can be checked;
+- force law and gaps: every stop that is closed by the contact state is pressed, and no other stop is;
+- momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, point
+  loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum;
+- impulse: the stated impulse is the time integral of the force law;
 - continuity: the displacement does not jump at a switch, equation (36) of the paper.
 
-And of a steady state, from the History of one of its periods, made by either solver:
+A periodic steady state must also satisfy the following, by the History of one of its periods:
 
-- the motion closes: displacement and velocity along the beam are at the end what they are at the start;
+- the motion closes: displacement and velocity along the beam at the end are equal to those at the start;
 - its period is the least: after fewer excitation periods, displacement and velocity differ from the start;
-- half of it mirrors the other half, z(x, t + T/2) = -z(x, t), if it is called symmetric, and not if it is not;
+- the two halves of a symmetric motion mirror each other, z(x, t + T/2) = -z(x, t), and those of others do not;
 - its impulses per excitation period are the time integrals of the force law.
 """
 
@@ -38,15 +37,15 @@ from validation.verdict import Criterion
 _PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
 _MOST_HALVINGS = 8  # Most halvings of the panels in time
 _BALANCED = (
-    1e-3  # Least angular momentum that counts, as a fraction of all momentum at one end: below, rounding is left
+    1e-3  # Least angular momentum that counts, divided by all momentum times half the length; a smaller one is rounding
 )
 REPEATS = 1e-6
-"""Distance of two motions, as a fraction of their size, below which they are one.  Newton's method closes orbits to a
+"""Distance of two motions, divided by their size, below which they are one.  Newton's method closes orbits to a
 residual of 1e-9; truncation adds jumps at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
-    """Gauss points and weights on panels no longer than `per_panel` between the breaks, each cut in `pieces`."""
+    """Gauss points and weights on panels no longer than `per_panel` between the breaks, each cut into `pieces`."""
     edges = [breaks[:1]]
     for a, b in itertools.pairwise(breaks):
         if b > a:
@@ -99,16 +98,14 @@ def energy(history: History, t: FloatArray) -> FloatArray:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
-    for stop in problem.stops:
-        if stop.damping > 0:
-            continue  # what it takes and gives back is in `power`
-        beyond = np.maximum(stop.sign * history.displacement(stop.x, t)[0] - stop.gap, 0.0)
-        total = total + stop.stiffness / 2 * beyond**2
+    for stop, depth in zip(problem.stops, history.penetration(t), strict=True):
+        if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
+            total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
     return np.asarray(total)
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia, loads and damped stops less viscous dissipation.
+    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus viscous dissipation.
 
     Parameters
     ----------
@@ -127,12 +124,11 @@ def power(history: History, t: FloatArray) -> FloatArray:
     total = np.zeros(t.size)
     for force in problem.forces.every:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
+    # a spring stores what the beam and a base that moves towards the stop do; a damped stop is what it does to the beam
+    for stop, force, base in zip(problem.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True):
+        total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
-    damped = [k for k, stop in enumerate(problem.stops) if stop.damping > 0]
-    if damped:
-        at = np.array([problem.stops[k].x for k in damped])
-        total += (history.contact_force(t)[damped] * history.velocity(at, t)).sum(axis=0)
     return total
 
 
@@ -146,7 +142,8 @@ def _time_integral(
 ) -> float:
     """Integral over time by Gauss panels, halved until three results differ by less than a tenth of the tolerance.
 
-    Two agree by chance where fast modes ring.  Panels end at the knots of a record, between which motions are smooth.
+    Two results may agree by chance while fast modes ring.  Panels end at the knots of a record, between which motions
+    are smooth.
     """
     breaks = np.unique(np.concatenate([breaks, _knots(history, float(breaks[0]), float(breaks[-1]))]))
     values = [math.inf]
@@ -159,7 +156,7 @@ def _time_integral(
 
 
 def _impulse(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:
-    """Impulse of a stop between the first and the last break by the force law, N s."""
+    """Impulse of a stop by the force law, from the first to the last break, N s."""
 
     def force(t: FloatArray) -> FloatArray:
         return -np.asarray(history.contact_force(np.minimum(t, history.end))[stop])
@@ -178,19 +175,20 @@ def _knots(history: History, start: float, end: float) -> FloatArray:
 
 
 def energy_balance(history: History, tolerance: float) -> Criterion:
-    """Energy left unaccounted for, divided by the energy that came and went, or the largest stored energy, if larger.
+    """Error of the energy balance, divided by the energy supplied and removed or, if larger, the largest stored energy.
 
     Parameters
     ----------
     history : History
         The motion.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The residual of the balance; of modal damping, whose dissipation is not local, only what was created counts.
+        The residual of the balance; under modal damping, whose dissipation is not local, only an excess of energy
+        counts.
     """
     breaks = np.unique([history.start, *history.switch_times, history.end])
     t, w = _panels(breaks, _first_panel(history))
@@ -206,7 +204,7 @@ def energy_balance(history: History, tolerance: float) -> Criterion:
 
 
 def momentum_applies(problem: Problem) -> bool:
-    """Whether all forces on the beam are known from its motion: none by modal damping, or of a support that fixes.
+    """Whether all forces on the beam are known from its motion: no modal damping, and no infinitely stiff support.
 
     Parameters
     ----------
@@ -223,14 +221,14 @@ def _from_middle(length: float) -> Callable[[FloatArray], FloatArray]:
 
 
 def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Criterion]:
-    """Momentum and angular momentum left unaccounted for, by the stated impulses, over what the parts amount to.
+    """Errors of the balances of momentum and angular momentum, by the stated impulses, divided by the sum of all parts.
 
     Parameters
     ----------
     history : History
         The motion of a problem to which `momentum_applies`.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
@@ -241,7 +239,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
     inertia, L, both = problem.beam.inertia_at(x), problem.beam.length, np.array([history.start, history.end])
     breaks = np.unique([history.start, *history.switch_times, history.end])
     found: list[Criterion] = []
-    momentum = 0.0  # that came and went, kg m/s
+    momentum = 0.0  # sum of the magnitudes of all parts of the momentum balance, kg m/s
     arms: tuple[tuple[str, Callable[[FloatArray], FloatArray], float], ...] = (
         ("momentum", np.ones_like, 0.0),
         ("angular momentum", _from_middle(L), 1.0),
@@ -277,50 +275,49 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
-    """Deepest pull of a closed stop or deepest unresisted crossing of an open one, over the size of the motion.
+    """Largest violation of a gap: a closed stop that pulls, or an open stop that is crossed, divided by the motion's
+    size.
 
     Parameters
     ----------
     history : History
         The motion.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The depth over the largest displacement at the stops.
+        The depth of the violation, divided by the largest displacement that the stops see.
     """
     problem = history.problem
     if not problem.stops:
         return Criterion("gaps", "1", 0.0, 0.0, tolerance, "there are no stops")
     worst, size = 0.0, 1e-300
     breaks = np.unique([history.start, *history.switch_times, history.end])
-    x = np.array([stop.x for stop in problem.stops])
     for a, b in itertools.pairwise(breaks):
         t = np.linspace(a, b, 42)[1:-1]
-        state, z = history.state_at((a + b) / 2), history.displacement(x, t)
-        size = max(size, float(np.abs(z).max()))
-        for k, stop in enumerate(problem.stops):
-            beyond = stop.sign * z[k] - stop.gap
+        state = history.state_at((a + b) / 2)
+        size = max(size, float(np.abs(history.seen_by_stops(t)).max()))
+        for k, beyond in enumerate(history.penetration(t)):
             worst = max(worst, float(np.max(-beyond if k in state else beyond)))
     return Criterion("gap violated", "1", worst / size, 0.0, tolerance, "truncation at switches; event times")
 
 
 def stated_impulses(history: History, tolerance: float) -> Criterion:
-    """Largest difference of a stated impulse from the quadrature of the force law, over the largest impulse.
+    """Largest difference between a stated impulse and the integral of the force law, divided by the largest impulse.
 
     Parameters
     ----------
     history : History
         The motion.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The largest difference over all contacts, over the largest impulse.
+        The largest difference of all contacts, divided by the largest impulse.
     """
     worst, largest = 0.0, max((abs(c.impulse) for c in history.contacts), default=1e-300)
     for contact in history.contacts:
@@ -334,19 +331,19 @@ def stated_impulses(history: History, tolerance: float) -> Criterion:
 
 
 def continuity(history: History, tolerance: float) -> Criterion:
-    """Largest jump of displacement along the beam at a switch, over the size of the motion.
+    """Largest jump of displacement along the beam at a switch, divided by the size of the motion.
 
     Parameters
     ----------
     history : History
         The motion.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The jump over the largest displacement after a switch.
+        The jump, divided by the largest displacement after a switch.
     """
     t = history.switch_times[history.switch_times > history.start]
     if not t.size:
@@ -358,9 +355,10 @@ def continuity(history: History, tolerance: float) -> Criterion:
 
 
 def _apart(history: History, sign: int, later: float) -> float:
-    """Largest distance of the motion from `sign` times the motion `later` seconds on, over the size of the motion.
+    """Largest distance of the motion from `sign` times the motion `later` seconds afterwards, divided by its size.
 
-    Displacement and velocity over the excitation frequency, at 21 places and, over the period, at 33 times.
+    Displacements, and velocities divided by the excitation frequency, are compared at 21 places and 33 times in the
+    period.
     """
     x, span = np.linspace(0.0, history.problem.beam.length, 21), history.end - history.start
     t = history.start + span * (np.arange(33) + 0.5) / 33
@@ -372,20 +370,20 @@ def _apart(history: History, sign: int, later: float) -> float:
 
 
 def closes(found: SteadyState, tolerance: float) -> Criterion:
-    """How far the end of the motion's period is from its start, over the size of the motion.
+    """Distance between the end and the start of the motion's period, divided by the size of the motion.
 
     Parameters
     ----------
     found : SteadyState
         A periodic steady state.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The largest difference of displacements, and of velocities over the excitation frequency, over the largest of
-        them.
+        The largest difference of displacements, and of velocities divided by the excitation frequency, divided by the
+        largest of both.
     """
     history = found.history
     x, ends = np.linspace(0.0, history.problem.beam.length, 21), np.array([history.start, history.end])
@@ -396,14 +394,14 @@ def closes(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def least_period(found: SteadyState, tolerance: float) -> Criterion:
-    """How nearly the motion repeats after fewer excitation periods than it is said to, two at least, over its size.
+    """Least distance of the motion from repeating after fewer excitation periods than stated, divided by its size.
 
     Parameters
     ----------
     found : SteadyState
         A steady state of two excitation periods or more.
     tolerance : float
-        What the distance must exceed.
+        The distance must exceed this.
 
     Returns
     -------
@@ -418,14 +416,14 @@ def least_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def half_period(found: SteadyState, tolerance: float) -> Criterion:
-    """How nearly half of the motion mirrors the other half, over its size.
+    """Distance of half of the motion from the mirror image of the other half, divided by the size of the motion.
 
     Parameters
     ----------
     found : SteadyState
         A periodic steady state.
     tolerance : float
-        What the distance must stay within if the motion is called symmetric, and exceed if it is not.
+        Limit of the distance: at most this if the motion is stated to be symmetric, else more.
 
     Returns
     -------
@@ -440,19 +438,19 @@ def half_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
-    """Largest difference of an impulse per excitation period from the quadrature of the force law, relative.
+    """Largest difference between an impulse per excitation period and the integral of the force law, relative.
 
     Parameters
     ----------
     found : SteadyState
         A periodic steady state.
     tolerance : float
-        Largest value that is allowed, relative as the value is.
+        Largest allowed value, without unit.
 
     Returns
     -------
     Criterion
-        The largest difference over all stops, over the largest impulse.
+        The largest difference of all stops, divided by the largest impulse.
     """
     history = found.history
     breaks = np.unique([history.start, *history.switch_times, history.end])
@@ -466,17 +464,18 @@ def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
 
 
 def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Criterion]:
-    """All invariants of a periodic steady state, those of its motion included; none of period, where it has none.
+    """All invariants of a steady state and of its motion; without invariants of the period if the motion does not
+    repeat.
 
     Parameters
     ----------
     found : SteadyState
         The steady state, of either solver.
     tolerance : float
-        Tolerance of the motion, relative to its size.  Comparisons over the period have `REPEATS`, or ten times the
-        residual where that is more; impulses per period have the tolerance, or ten times the residual.
+        Tolerance of the motion, relative to its size.  Comparisons over the period have the tolerance `REPEATS`, and
+        impulses per period this tolerance, or ten times the residual if that is more.
     label : str
-        What goes before each name.
+        Prefix of each name.
 
     Returns
     -------
@@ -486,7 +485,7 @@ def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Cri
     result = witness(found.history, tolerance, label)
     if not found.period_multiple:
         return result
-    near = max(REPEATS, 10 * found.residual)  # truncated modes may part a motion by its residual
+    near = max(REPEATS, 10 * found.residual)  # with truncated modes, a motion repeats only to its residual
     checks = (closes, half_period, least_period) if found.period_multiple > 1 else (closes, half_period)
     result += [replace(item, name=f"{label}: {item.name}") for item in (check(found, near) for check in checks)]
     item = impulses_per_period(found, max(tolerance, 10 * found.residual))
@@ -501,9 +500,9 @@ def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
     history : History
         The motion.
     tolerance : float
-        One for all, relative to the size of the motion.
+        Tolerance of all invariants, relative to the size of the motion.
     label : str
-        What goes before each name.
+        Prefix of each name.
 
     Returns
     -------

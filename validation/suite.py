@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Run = Callable[[Level, Say], CaseResult]
 _MODULES = {
     "as-given": "as_given",
+    "parts-as-given": "parts_as_given",
     "pinned-beam": "pinned_beam",
     "records": "records",
     "random-signal": "random_signal",
@@ -34,11 +35,18 @@ _MODULES = {
     "balance": "balance",
     "ledger": "ledger",
     "textbook": "textbook",
+    "masses-and-steps": "masses_and_steps",
     "table4": "table4",
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
     "sdnd101": "sdnd101",
+    "sdnd102": "sdnd102",
+    "sdnd108": "sdnd108",
+    "pressed": "pressed",
+    "limits": "limits",
+    "resting": "resting",
+    "together": "together",
     "one-mode": "one_mode",
     "certified-steps": "certified_steps",
     "grazing": "grazing",
@@ -167,7 +175,10 @@ def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
         return lambda level, say: part(problem, level, say)
 
-    runs = {"frequencies": bound(own_problem.frequencies), "transient": bound(own_problem.transient)}
+    runs = {"frequencies": bound(own_problem.frequencies)}
+    if own_problem.has_equilibrium(problem):
+        runs["equilibrium"] = bound(own_problem.equilibrium)
+    runs["transient"] = bound(own_problem.transient)
     if problem.excitation_frequency is not None:
         runs["steady"] = bound(own_problem.steady)
     unknown = [name for name in cases if name not in runs]

@@ -1,8 +1,8 @@
 """Numerical uncertainty from refinement: observed order, Richardson extrapolation, grid convergence index.
 
-The error is estimated by Richardson's extrapolation with the observed order p.  How far to trust that estimate depends
-on how near p is to the order of the method: the factor of safety is that of T. Xing and F. Stern, "Factors of safety
-for Richardson extrapolation", J. Fluids Eng. 132 (2010) 061403, calibrated for 95 % coverage, with P = p / p_method:
+The error is estimated by Richardson's extrapolation with the observed order p.  The estimate is more reliable the
+nearer p is to the order of the method.  The factor of safety is from T. Xing and F. Stern, "Factors of safety for
+Richardson extrapolation", J. Fluids Eng. 132 (2010) 061403, calibrated for 95 % coverage.  With P = p / p_method it is
 
     2.45 - 0.85 P  for P <= 1,    16.4 P - 14.8  for P > 1
 
@@ -22,14 +22,14 @@ from lapjoint.problem import FloatArray
 from validation.verdict import ErrorSource, Estimate
 
 SAFETY_WITHOUT_ORDER = 3.0
-"""Factor when the order is not shown: two refinements only, no monotone convergence, or an unexpected order."""
+"""Factor of safety without a confirmed order: two levels only, no monotone convergence, or an unexpected order."""
 FLOOR = 1e-12
-"""Relative round-off floor: smaller changes say nothing about convergence."""
+"""Relative change of a value below which rounding hides convergence."""
 
 
 @dataclass(frozen=True)
 class Refined:
-    """The refined quantity of a solver, and its finest value."""
+    """What was refined in a solver, and the finest level."""
 
     source: ErrorSource
     what: str
@@ -37,17 +37,17 @@ class Refined:
 
 
 def elements(finest: int) -> Refined:
-    """A mesh that was refined to so many elements.
+    """The refinement of a mesh, up to a number of elements.
 
     Parameters
     ----------
     finest : int
-        Elements of the finest mesh.
+        Number of elements of the finest mesh.
 
     Returns
     -------
     Refined
-        For `refined_estimate`.
+        An argument of `refined_estimate`.
     """
     return Refined(ErrorSource.MESH, f"{finest} elements")
 
@@ -94,12 +94,12 @@ def extrapolated(medium: float, fine: float, ratio: float, order: float) -> floa
 
 
 def factor_of_safety(P: float) -> float:
-    """Factor on the extrapolated error; 1.6 where the observed order is that of the method.
+    """Factor on the extrapolated error; 1.6 if the observed order is the order of the method.
 
     Parameters
     ----------
     P : float
-        Observed order over order of the method.
+        Observed order, divided by the order of the method.
 
     Returns
     -------
@@ -122,9 +122,9 @@ def refined_estimate(
     Parameters
     ----------
     values : sequence of float
-        From coarse to fine, two or three.
+        Two or three values, from coarse to fine, in one unit.
     ratio : float
-        Refinement from one to the next.
+        Refinement from one value to the next.
     expected_order : float
         Order of the method in theory or as observed elsewhere; used unless three values show less.
     refined : Refined
@@ -132,12 +132,12 @@ def refined_estimate(
     floor : float
         Relative accuracy below which values cannot be distinguished.
     floor_source : ErrorSource
-        What limits that accuracy, for the uncertainty budget.
+        The reason for this limit, for the uncertainty budget.
 
     Returns
     -------
     Estimate
-        The finest value, with the expanded uncertainty (95 %) and what contributes to it.
+        The finest value, with its expanded uncertainty (95 %) and the contributions to it.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def refined_estimate(
         return estimate(0.0, f"converged to the floor of {floor:g}")
     order = observed_order(values[0], medium, fine, ratio)
     if math.isnan(order) or order < expected_order - 1 or order > expected_order + 1:
-        # The worst of the changes, at first order: no asymptotic range is shown.
+        # The order is not confirmed: the largest of the changes is extrapolated at first order.
         error = max(abs(values[0] - medium) / (ratio**expected_order - 1), abs(medium - fine)) / (ratio - 1)
         shown = "none" if math.isnan(order) else f"{order:.2f}"
         return estimate(SAFETY_WITHOUT_ORDER * error, f"observed order {shown}, not asymptotic")
@@ -178,8 +178,9 @@ def refined_vector(
 ) -> tuple[Estimate, ...]:
     """Several numbers of one solution, with one uncertainty for all of them.
 
-    Numbers of one motion share its error.  The order seen in a single one of them can be high by chance; that of their
-    norm is steadier, so the norm of the changes is extrapolated, and its error holds for each.
+    The numbers of one motion have errors of similar size.  The observed order of a single number can be high by chance;
+    the order of their norm is more reliable.  The norm of the changes is therefore extrapolated, and its error is taken
+    for every number.
 
     Parameters
     ----------
@@ -188,7 +189,7 @@ def refined_vector(
     ratio : float
         Refinement from one level to the next.
     expected_order : float
-        Order of the method in theory or as observed elsewhere; used unless the values show less.
+        Order of the method in theory or as observed elsewhere; used unless the values show a lower order.
     refined : Refined
         What was refined, for the report and the uncertainty budget.
     floor : float
@@ -199,11 +200,11 @@ def refined_vector(
     Returns
     -------
     tuple of Estimate
-        n finest values, each with the same uncertainty.
+        The n finest values, all with one uncertainty.
     """
     changes = [float(np.abs(b - a).max(initial=0.0)) for a, b in itertools.pairwise(values)]
     size = float(np.abs(values[-1]).max(initial=0.0))
-    # A sequence with these changes, rising to the largest number
+    # Three numbers with these changes, rising to the largest number.
     norm = refined_estimate(
         [size - changes[1] - changes[0], size - changes[1], size], ratio, expected_order, refined, floor, floor_source
     )

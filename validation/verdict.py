@@ -1,9 +1,8 @@
-"""Numbers with their uncertainty and origin, and the verdict on a pair of them.
+"""Numbers with their uncertainty and origin, and the verdict on a pair of numbers.
 
-A difference is judged as in ASME V&V 20: against the combined numerical uncertainty of both numbers,
-``U = sqrt(u_a^2 + u_b^2)`` with expanded uncertainties, not against a percentage picked by hand.  Where a
-requirement also names a largest difference, that is a second criterion, so that a large uncertainty cannot hide a large
-difference.
+The difference of two numbers is judged as in ASME V&V 20: it is compared with the combined numerical uncertainty of
+both, ``U = sqrt(u_a^2 + u_b^2)`` with expanded uncertainties, not with a percentage chosen by hand.  A requirement may
+also set a largest difference, so that a large uncertainty cannot hide a large difference.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ class ErrorSource(Enum):
 
 
 def source_name(source: ErrorSource | Kind) -> str:
-    """Name of a source of uncertainty for tables: what makes a number uncertain, or the kind of a reference.
+    """Name of a source of uncertainty for tables: an error source, or the kind of a reference.
 
     Parameters
     ----------
@@ -64,18 +63,19 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number, its expanded uncertainty, and how both were obtained."""
+    """A number with its expanded uncertainty, and how both were obtained."""
 
     value: float
     uncertainty: float
     how: str
     kind: Kind = Kind.COMPUTED
     parts: tuple[tuple[ErrorSource, float], ...] = ()
-    """Contributions to the uncertainty, which add up to it; empty where it is not broken down."""
+    """Contributions whose sum is the uncertainty; empty if the uncertainty is not broken down."""
 
     @property
     def contributions(self) -> tuple[tuple[ErrorSource | Kind, float], ...]:
-        """The parts; an uncertainty that is not broken down is one part, named by the kind of the number."""
+        """The contributions; an uncertainty that is not broken down is one contribution, named by the kind of the
+        number."""
         whole = ErrorSource.STATED if self.kind is Kind.COMPUTED else self.kind
         return self.parts or ((whole, self.uncertainty),)
 
@@ -89,29 +89,30 @@ class Check:
     a: Estimate
     b: Estimate
     cap: float | None = None
-    """Largest relative difference that the requirement allows, besides the uncertainty; None: no such requirement."""
+    """Largest relative difference that a requirement allows, in addition to the uncertainty; None without a
+    requirement."""
     explanation: str = ""
-    """Why the two are known to differ; a disagreement with an explanation is no failure."""
+    """The known reason for a difference of the two numbers; a disagreement with an explanation is no failure."""
 
     @property
     def difference(self) -> float:
-        """a - b, in the unit."""
+        """The difference a - b, in `unit`."""
         return self.a.value - self.b.value
 
     @property
     def allowed(self) -> float:
-        """Combined expanded uncertainty, in the unit."""
+        """Combined expanded uncertainty, in `unit`."""
         return math.hypot(self.a.uncertainty, self.b.uncertainty)
 
     @property
     def relative(self) -> float:
-        """Difference over the larger of the two magnitudes; 0 if both vanish."""
+        """Magnitude of the difference, divided by the larger of the two magnitudes; 0 if both numbers are 0."""
         size = max(abs(self.a.value), abs(self.b.value))
         return abs(self.difference) / size if size else 0.0
 
     @property
     def verdict(self) -> Verdict:
-        """Agree if the difference is within both the uncertainty and the cap."""
+        """Agree if the difference is within both the uncertainty and the cap; otherwise explained or disagree."""
         within = abs(self.difference) <= self.allowed
         if within and (self.cap is None or self.relative <= self.cap):
             return Verdict.AGREE
@@ -119,21 +120,21 @@ class Check:
 
     @property
     def used(self) -> float:
-        """Difference over the allowed difference; infinite where nothing is allowed and something differs."""
+        """Magnitude of the difference, divided by the allowed difference; infinite if no difference is allowed and
+        there is one."""
         if self.difference == 0:
             return 0.0
         return abs(self.difference) / self.allowed if self.allowed else math.inf
 
     @property
     def reference(self) -> Kind:
-        """Kind of the reference, which is the number that was not computed here; otherwise one method checks the
-        other."""
+        """Kind of the number that was not computed here; if both were computed here, one method checks the other."""
         given = [e.kind for e in (self.b, self.a) if e.kind is not Kind.COMPUTED]
         return given[0] if given else Kind.CROSS_METHOD
 
     @property
     def line(self) -> str:
-        """The comparison in a line."""
+        """The comparison as a line of text."""
         cap = "" if self.cap is None else f", largest relative difference {self.cap:g}"
         text = (
             f"{self.name}: {self.a.value:.9g} against {self.b.value:.9g} {self.unit}, difference "
@@ -144,7 +145,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A measured number that must stay within limits: an observed order, an invariant's residual."""
+    """A number that must lie within limits, for example an observed order, or the residual of an invariant."""
 
     name: str
     unit: str
@@ -152,14 +153,14 @@ class Criterion:
     low: float
     high: float
     reason: str
-    """Why these limits."""
+    """The reason for the limits."""
 
     @property
     def verdict(self) -> Verdict:
-        """Agree if the value lies within the limits; NaN never does."""
+        """Agree if the value lies within the limits, which NaN never does; else disagree."""
         return Verdict.AGREE if self.low <= self.value <= self.high else Verdict.DISAGREE
 
     @property
     def line(self) -> str:
-        """The criterion in a line."""
+        """The criterion as a line of text."""
         return f"{self.name}: {self.value:.3g}, allowed {self.low:g} to {self.high:g} ({self.reason})"

@@ -101,7 +101,7 @@ def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[Comple
     `scale`, rad/s, ``(N,)``, is a positive frequency of each coordinate.
     """
     values, vectors = np.linalg.eigh(K / np.outer(scale, scale))
-    null = values < _RIGID * max(values[-1], 0.0)
+    null = values < _RIGID
     if not null.any():
         return _of_stiff(D, K, scale, 0)
     r = int(np.count_nonzero(null))
@@ -163,14 +163,21 @@ def _of_stiff(
 
 
 def coupled(
-    problem: Problem, state: ContactState, modal: ModalState, sizes: FloatArray, harmonics: Harmonics
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    sizes: FloatArray,
+    harmonics: Harmonics,
 ) -> Coupled:
-    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``."""
+    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
+
+    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
+    """
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.beam.EI / problem.beam.m) / problem.beam.length**2)
     K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
-    left_out = modal.residual_at_stops * sizes[:, None]
     turning = np.concatenate([[0.0], 1j * harmonics.omega])
     pressing = np.zeros((n, n))
     for k in state.closed:
@@ -206,9 +213,15 @@ def _condition(to: FloatArray, scale: FloatArray) -> float:
 
 
 def write_coupled(
-    tables: Tables, slot: int, problem: Problem, state: ContactState, modal: ModalState, sizes: FloatArray, it: Coupled
+    tables: Tables,
+    slot: int,
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    it: Coupled,
 ) -> None:
-    """Write a coupled state, under loads of real size, into its empty slot."""
+    """Write a coupled state, under loads of real size, into its empty slot; `left_out` is as in `coupled`."""
     n, P = modal.size, len(problem.stops)
     oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
     mode_of = np.concatenate([np.arange(n), split, oscillating])
@@ -230,7 +243,7 @@ def write_coupled(
         tau = problem.stops[k].damping / problem.stops[k].stiffness if u >= plain else 0.0
         phi = modal.at_stops[k]
         reads = np.concatenate([phi, tau * phi]) @ it.to
-        still = modal.residual_at_stops[:, k] * sizes * (1 + tau * turning) - it.lag @ reads[n:]
+        still = left_out[:, k] * (1 + tau * turning) - it.lag @ reads[n:]
         tables.gradient[slot, u, :, :n] = reads.reshape(2, n)
         weight = reads[mode_of % n] + reads[n + mode_of] * root
         tables.weight[slot, u, :terms] = weight.real

@@ -10,14 +10,16 @@ import math
 
 import numpy as np
 
+from analytic.equilibrium import start_of
 from analytic.march.coordinates import Coordinates
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
-from analytic.march.quadrature import over_beam
+from analytic.march.quadrature import projected
 from analytic.march.tables import BoolArray, FlatState, IntArray
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.compiled.compiling import njit_called
 from lapjoint.errors import InputError
@@ -33,16 +35,27 @@ def initial_coordinates(problem: Problem, modes: NormalModes) -> tuple[FloatArra
     count = modes.omega.size
     if isinstance(problem.initial, AtRest):
         return np.zeros(count), np.zeros(count)
-    x, weights = over_beam(problem, modes)
-    weighted = problem.beam.m * modes.shapes(x) * weights
-    return weighted @ problem.initial.displacement_at(x), weighted @ problem.initial.velocity_at(x)
+    initial = start_of(problem)
+    return projected(problem, modes, initial.displacement_at), projected(problem, modes, initial.velocity_at)
 
 
 def started(joint: Joint) -> Coordinates:
     """The coordinates of the initial state, in the contact state at t = 0."""
     state, held = starting_state(joint)
     q, v = initial_coordinates(joint.problem, joint.modal(state).modes)
-    return Coordinates(state, *joint.from_modes(state, q, v, 0.0), held)
+    return Coordinates(state, *joint.from_modes(state, _at_rest(joint, state, q), v, 0.0), held)
+
+
+def _at_rest(joint: Joint, state: ContactState, q: FloatArray) -> FloatArray:
+    """Modal displacements, kg^1/2 m, ``(N,)``: in a static equilibrium those that the constant loads hold, to the bit.
+
+    Rigid-body modes, which no load holds, keep their own `q`.
+    """
+    start = start_of(joint.problem)
+    if not isinstance(start, RestingStart) or not start.kept_in(state):
+        return q
+    flat = joint.flat(state)
+    return np.where(flat.omega > 0, flat.static[:, 0] * joint.sizes[0], q)
 
 
 def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
@@ -94,7 +107,7 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
     )
     begin[:, :m] = values[:, :m]
     modal, (q, v) = joint.modal(state), joint.in_modes(state, begin[0], begin[1], 0.0)
-    left_out = modal.residual_at_stops * joint.sizes[:, None]
+    left_out = joint.left_out(state)
     z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
     rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]
     closed, released = [], []

@@ -32,6 +32,7 @@ from analytic.march.tables import (
     known_switches,
     owned,
     scale,
+    seen_motion,
     unit_tables,
 )
 from analytic.modes.beam_functions import ComplexArray
@@ -134,13 +135,19 @@ class Joint:
         """One contact state in modal form, for unit loads."""
         return modal_state(self.loaded, ContactState(state.closed), self.count(state))
 
+    def left_out(self, state: ContactState) -> FloatArray:
+        """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
+        return np.asarray((self.modal(state).residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+
     def coupled(self, state: ContactState) -> Coupled | None:
         """The oscillators of a state in which a damped stop is closed; None of any other state."""
         if not self.damped or not is_coupled(self.loaded.problem, state):
             return None
         found = self._coupled.get(state)
         if found is None:
-            made = coupled(self.loaded.problem, state, self.modal(state), self.sizes, self.harmonics)
+            made = coupled(
+                self.loaded.problem, state, self.modal(state), self.left_out(state), self.sizes, self.harmonics
+            )
             found = self._coupled[state] = made
         return found
 
@@ -293,7 +300,7 @@ class Joint:
         state, size = self._states[slot], max(self.counts)
         it = self.coupled(state)
         if it is not None:
-            write_coupled(self.tables, slot, self.loaded.problem, state, self.modal(state), self.sizes, it)
+            write_coupled(self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it)
             return
         flat = self.flat(state)
         fill(self.tables, slot, flat)

@@ -12,10 +12,15 @@ from analytic.modes.static_residual import Loads
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.parameters import ExcitationChange
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.excitation import Wave
+from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.load_shape import LoadShape
 
 Positions = tuple[LoadShape, ...]
 """Where each load that is not constant acts."""
+MOVED_STOPS = LoadShape()
+"""In place of a shape: the base is moved by 1 m, and relative to it every stop fixed in space by -1 m.  A closed one
+pushes the beam by -k, and the gap functions of all of them see the displacement of the base beside that of the beam."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,8 @@ class Excitation:
     harmonics: Harmonics
     sizes: FloatArray
     """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, m/s2
-    of the moving base and N of loads at points; and 1 for sampled loads, whose samples have a unit themselves."""
+    of the moving base, N of loads at points, and m of moved stops; and 1 for sampled loads, whose samples have a unit
+    themselves."""
     period: float | None
     """The excitation period, s; None if there is none."""
     changes: Mapping[str, ExcitationChange] = field(default_factory=dict)
@@ -52,8 +58,9 @@ class Excitation:
 
 
 def excitation_of(problem: Problem) -> Excitation:
-    """The excitation of a problem, with its harmonic loads in the order of its forces."""
-    waves, fundamental = problem.forces.harmonic, problem.excitation_frequency
+    """The excitation of a problem, with its harmonic loads in the order of its forces, and then its moved stops."""
+    waves: tuple[HarmonicForce | Wave, ...] = (*problem.forces.harmonic, *problem.moved_stops)
+    fundamental = problem.excitation_frequency
     harmonics = Harmonics(
         np.array([wave.angular_frequency for wave in waves]), np.array([wave.phase for wave in waves])
     )
@@ -66,26 +73,33 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
 
     Load 0 is constant: the forces k gap of the closed stops, and the constant forces of `problem`.  The other loads,
     harmonic or sampled, act at `positions`.  `nodes`, m, ascending, are the nodes of the beam; every load acts at a
-    node.
+    node, and every piece of a load ends at one.
     """
-    forces = np.zeros((1 + len(positions), nodes.size))
+    total = Loads(np.zeros((1 + len(positions), nodes.size - 1)), np.zeros((1 + len(positions), nodes.size)))
 
-    def node(x: float) -> int:
-        return int(np.argmin(np.abs(nodes - x)))  # nodes are (x / L) L: a rounding from x, on either side
+    def add(row: int, shape: LoadShape, size: float) -> None:
+        own = acting(shape, nodes)
+        total.distributed[row] += size * own.distributed[0]
+        total.concentrated[row] += size * own.concentrated[0]
 
     for i in state.closed:
         stop = problem.stops[i]
-        forces[0, node(stop.x)] += stop.sign * stop.stiffness * stop.gap
-    uniform = np.zeros(forces.shape[0])
-
-    def add(row: int, shape: LoadShape, size: float) -> None:
-        for x, force in shape.points:
-            forces[row, node(x)] += size * force
-        for _, _, force in shape.pieces:
-            uniform[row] += size * force
-
+        add(0, LoadShape.at(stop.x), stop.sign * stop.stiffness * stop.gap)
     for load in problem.forces.constant:
         add(0, load.shape, load.force)
     for row, shape in enumerate(positions, start=1):
         add(row, shape, 1.0)
-    return Loads(uniform, forces)
+        for stop in (problem.stops[i] for i in state.closed if shape == MOVED_STOPS):
+            if stop.in_space:
+                add(row, LoadShape.at(stop.x), -stop.stiffness)
+    return total
+
+
+def acting(shape: LoadShape, nodes: FloatArray) -> Loads:
+    """One load of size 1 on a beam with `nodes`, m, ascending, which the load's edges are among, to rounding."""
+    middle, loads = (nodes[:-1] + nodes[1:]) / 2, Loads(np.zeros((1, nodes.size - 1)), np.zeros((1, nodes.size)))
+    for x, force in shape.points:
+        loads.concentrated[0, np.argmin(np.abs(nodes - x))] += force  # nodes are (x / L) L: a rounding from x
+    for start, end, force in shape.pieces:
+        loads.distributed[0, (middle > start) & (middle < end)] += force
+    return loads

@@ -28,14 +28,15 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from analytic.march.loads import Positions, unit_loads
+from analytic.march.loads import MOVED_STOPS, Positions, unit_loads
 from analytic.march.oscillator import damping_rates
-from analytic.modes.beam_functions import gram, integral
+from analytic.modes.beam_functions import gram, inertia_of
 from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem, StepLoad
+from lapjoint.problem.static_loads import Gravity, UniformLoad
 from lapjoint.problem.structure import Structure
 
 _STRUCTURES = 16  # loaded structures kept: a campaign seldom alternates between more
@@ -50,7 +51,7 @@ class LoadedStructure:
     problem: Problem
     """The problem with only the constant part of its loads."""
     positions: Positions
-    """Positions of the ``H`` harmonic loads, and then of the sampled loads."""
+    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads."""
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
@@ -114,24 +115,31 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     positions of the problem's loads.
     """
     if positions is None:
-        forces = problem.forces
-        positions = tuple(it.shape for it in forces.harmonic) + tuple(it.shape for it in forces.sampled)
+        forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
+        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled))
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
-    return _loaded_structure(problem.structure, steps, positions)
+    return _loaded_structure(problem.structure, steps, problem.gravity, problem.uniform_loads, positions)
 
 
 @lru_cache(maxsize=_STRUCTURES)
 def _loaded_structure(
-    structure: Structure, steps: tuple[tuple[float, float], ...], positions: Positions
+    structure: Structure,
+    steps: tuple[tuple[float, float], ...],
+    gravity: Gravity | None,
+    uniform_loads: tuple[UniformLoad, ...],
+    positions: Positions,
 ) -> LoadedStructure:
-    """A structure with constant loads (position in m, force in N), and the positions of the other loads."""
+    """A structure with constant loads (`steps`: position in m, force in N), and the positions of the other loads."""
     loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
     still = Problem.model_construct(  # of parts that fit together: they were validated
         beam=structure.beam,
         supports=structure.supports,
         stops=structure.stops,
         damping=structure.damping,
+        masses=structure.masses,
         point_loads=loads,
+        gravity=gravity,
+        uniform_loads=uniform_loads,
     )
     return LoadedStructure(still, positions)
 
@@ -148,8 +156,7 @@ def _modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> Mo
     problem = loaded.problem
     modes = exact_modes(problem, state, count)
     loads = unit_loads(problem, loaded.positions, state, modes.shapes.nodes)
-    at_nodes = modes.shapes(modes.shapes.nodes)
-    force = loads.concentrated @ at_nodes.T + loads.uniform[:, None] * integral(modes.shapes)  # (27)
+    force = loads.modal(modes.shapes)
     shapes = residual(problem, state, modes, loads, force)
     x_stops = np.array([stop.x for stop in problem.stops])
     return ModalState(
@@ -175,6 +182,6 @@ def passage(loaded: LoadedStructure, old: ContactState, n_old: int, new: Contact
 @cached(_PASSAGES)
 def _products(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """Inner products of the modes of `new` with the modes and with the foundation shapes of `old`."""
-    before, m = _modal_state(loaded, old, n_old), loaded.problem.beam.m
+    before, inertia = _modal_state(loaded, old, n_old), inertia_of(loaded.problem.beam, loaded.problem.masses)
     after = _modal_state(loaded, new, n_new).modes.shapes
-    return Passage(m * gram(after, before.modes.shapes), m * gram(before.residual.foundation, after))
+    return Passage(gram(after, before.modes.shapes, inertia), before.residual.foundation.products(after, inertia))

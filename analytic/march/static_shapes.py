@@ -32,7 +32,8 @@ def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tupl
 
 def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
     """Static displacement of the joint without contact at places, m, ``(p,)``, under a force of 1 N at `a`."""
-    pressed = joint.problem.replace(stops=(), base_motion=None, point_loads=(StepLoad(x=a, force=1.0),))
+    alone = (StepLoad(x=a, force=1.0),)
+    pressed = joint.problem.replace(stops=(), base_motion=None, gravity=None, uniform_loads=(), point_loads=alone)
     state = modal_state(loaded_structure(pressed), FREE, pool_size(1))
     return np.asarray((state.force[0] / state.modes.omega**2) @ state.modes.shapes(places) + state.residual(places)[0])
 

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.march.known_states import KnownStates
-from analytic.march.loads import Harmonics
+from analytic.march.loads import MOVED_STOPS, Harmonics
 from analytic.march.modal_state import LoadedStructure, modal_state, passage
 from analytic.march.oscillator import (
     ABOVE,
@@ -76,8 +76,8 @@ class FlatState(NamedTuple):
     weight: FloatArray
     """The mode of each term at the positions of the stops, kg^-1/2, shape ``(U, T)``."""
     residual: FloatArray
-    """Residual shapes at the positions of the stops, the constant one first, m for each unit of load, ``(U, 1 +
-    H)``."""
+    """Residual shapes at the positions of the stops, with the motion of the base where stops are fixed in space, the
+    constant one first, m for each unit of load, ``(U, 1 + H)``."""
     closed: BoolArray
     """Whether each stop is closed, shape ``(P,)``."""
 
@@ -229,15 +229,24 @@ def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> Flat
         static=static_answer(modal.force[0], omega, damping_rate),
         force=modal.force,
         weight=np.ascontiguousarray(modal.at_stops[first][:, mode_of]),
-        residual=np.ascontiguousarray(modal.residual_at_stops.T[first]),
+        residual=np.ascontiguousarray((modal.residual_at_stops + seen_motion(loaded)).T[first]),
         closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
     )
 
 
 def stop_positions(problem: Problem) -> IntArray:
-    """Index of the position of each stop among all positions of stops, from the root to the tip, shape ``(P,)``."""
-    x = sorted({stop.x for stop in problem.stops})
-    return np.array([x.index(stop.x) for stop in problem.stops], dtype=np.int64)
+    """Index of the position of each stop among all positions of stops, from the root to the tip, shape ``(P,)``.
+
+    Stops fixed in space have positions of their own, because their gaps see the motion of the base, too.
+    """
+    places = sorted({stop.place for stop in problem.stops})
+    return np.array([places.index(stop.place) for stop in problem.stops], dtype=np.int64)
+
+
+def seen_motion(loaded: LoadedStructure) -> FloatArray:
+    """The motion of the base that each stop's gap sees, m for each unit of load, shape ``(1 + H + R, P)``."""
+    moved = np.array([False, *(shape == MOVED_STOPS for shape in loaded.positions)])
+    return np.outer(moved, [stop.in_space for stop in loaded.problem.stops]).astype(float)
 
 
 @by_reference

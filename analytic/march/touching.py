@@ -25,9 +25,11 @@ import math
 
 import numpy as np
 
+from analytic.equilibrium import start_of
 from analytic.march.joint import Joint
-from analytic.march.quadrature import over_beam
+from analytic.march.quadrature import mass_weighted, over_beam
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.problem import FloatArray, Problem
 
 HIGHEST = 6
@@ -60,11 +62,11 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
 
 def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
     """The closed damped stops whose spring and damper would pull at t = 0, although they may not."""
-    found = []
+    found, initial, (base, _), (speed, _) = [], start_of(problem), base_motion(problem, 0), base_motion(problem, 1)
     for k in closed:
-        stop, x = problem.stops[k], np.array(problem.stops[k].x)
-        depth = stop.sign * float(problem.initial.displacement_at(x)) - stop.gap
-        rate = stop.sign * float(problem.initial.velocity_at(x))
+        stop, x, seen = problem.stops[k], np.array(problem.stops[k].x), float(problem.stops[k].in_space)
+        depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
+        rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
         if stop.damping > 0 and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
             found.append(k)
     return tuple(found)
@@ -72,23 +74,38 @@ def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
 
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
     """The stops that the initial state closes, and the undecided ones, at whose gap the beam is at rest."""
-    closed, touching, initial = [], [], problem.initial
+    closed, touching, initial = [], [], start_of(problem)
     along = np.linspace(0.0, problem.beam.length, 65)
     far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))
+    (base, of_base), (speed, of_speed) = (base_motion(problem, order) for order in (0, 1))
     for k, stop in enumerate(problem.stops):
-        x = np.array(stop.x)
-        depth = stop.sign * float(initial.displacement_at(x)) - stop.gap
-        rate = stop.sign * float(initial.velocity_at(x))
-        at_gap = abs(depth) <= _ROUNDING * far
-        if at_gap and abs(rate) <= _ROUNDING * fast:
+        x, seen = np.array(stop.x), float(stop.in_space)
+        depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
+        rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
+        at_gap = abs(depth) <= _ROUNDING * far + seen * of_base
+        if isinstance(initial, RestingStart) and initial.pressed(k):
+            closed.append(k)
+        elif at_gap and abs(rate) <= _ROUNDING * fast + seen * of_speed:
             touching.append(k)
         elif rate > 0 if at_gap else depth > 0:
             closed.append(k)
     return closed, touching
 
 
+def base_motion(problem: Problem, order: int) -> tuple[float, float]:
+    """A time derivative of the base that stops fixed in space see at t = 0, and its rounding error, m/s^order."""
+    value = error = 0.0
+    for wave in problem.moved_stops:
+        size = wave.amplitude * wave.angular_frequency**order
+        value += (
+            size * (math.sin(wave.phase), math.cos(wave.phase), -math.sin(wave.phase), -math.cos(wave.phase))[order % 4]
+        )
+        error += _ROUNDING * size * abs(wave.phase)
+    return value, error
+
+
 def _derivative(joint: Joint, state: ContactState, order: int) -> Rounded:
-    """A time derivative of z at the stops at t = 0, of order 2 or higher, m/s^order, shape ``(P,)``."""
+    """A time derivative of what the gaps of the stops see at t = 0, of order 2 or higher, m/s^order, ``(P,)``."""
     modal = joint.modal(state)
     square, drag = modal.modes.omega**2, 2 * modal.damping_rate
     known = [_NOTHING, _velocities(joint, state)]  # of each order; q itself is not needed
@@ -97,8 +114,9 @@ def _derivative(joint: Joint, state: ContactState, order: int) -> Rounded:
             elastic = _elastic(joint, state, n) if n < 2 else _times(square, known[n])
             known.append(_difference(_force(joint, state, n), elastic, _times(drag, known[n + 1])))
         value, error = known[order]
-        shapes = modal.at_stops
-        return shapes @ value, np.abs(shapes) @ (error + _ROUNDING * np.abs(value))
+        shapes, seen = modal.at_stops, np.array([stop.in_space for stop in joint.problem.stops], dtype=float)
+        base, of_base = base_motion(joint.problem, order)
+        return shapes @ value + seen * base, np.abs(shapes) @ (error + _ROUNDING * np.abs(value)) + seen * of_base
 
 
 def _times(factor: FloatArray, one: Rounded) -> Rounded:
@@ -141,24 +159,28 @@ def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
 def _velocities(joint: Joint, state: ContactState) -> Rounded:
     """Modal velocities at t = 0, kg^1/2 m/s, shape ``(N,)``."""
     problem, modes = joint.problem, joint.modal(state).modes
-    x, weights = over_beam(problem, modes)
-    weighted, speed = problem.beam.m * modes.shapes(x) * weights, problem.initial.velocity_at(x)
-    return _or_nothing(weighted @ speed, _ROUNDING * np.abs(weighted) @ np.abs(speed))
+    return _summed(mass_weighted(problem, modes, start_of(problem).velocity_at))
 
 
 def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     """a(Phi_i, z) of the initial displacement, or of the velocity where `n` is 1, kg^1/2 m/s^(2 + n), ``(N,)``."""
     problem, modes = joint.problem, joint.modal(state).modes
-    shape = (problem.initial.displacement_at, problem.initial.velocity_at)[n]
+    initial = start_of(problem)
+    shape = (initial.displacement_at, initial.velocity_at)[n]
     x, weights = over_beam(problem, modes)
     springs = [(it.x, 0, it.translational) for it in problem.supports]
     springs += [(it.x, 1, it.torsional) for it in problem.supports]
     springs += [(problem.stops[k].x, 0, problem.stops[k].stiffness) for k in state.closed]
-    parts = [(problem.beam.EI * modes.shapes(x, 2) * weights, shape(x, 2))]
+    parts = [(problem.beam.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
     for place, derivative, stiffness in springs:
         if 0 < stiffness < math.inf:
             at = np.array([place])
             parts.append((stiffness * modes.shapes(at, derivative), shape(at, derivative)))
+    return _summed(parts)
+
+
+def _summed(parts: list[tuple[FloatArray, FloatArray]]) -> Rounded:
+    """The sum of products of arrays, ``(N, points)`` and ``(points,)`` each."""
     total, size = (
         np.sum([one @ other for one, other in each], axis=0)
         for each in (parts, [(np.abs(one), np.abs(other)) for one, other in parts])

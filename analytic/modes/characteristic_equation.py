@@ -24,12 +24,20 @@ is the leading coefficient.  A beam that begins free has (A, B, C, D, F) = (1, 0
 x = 0, and the frequencies are the roots of F after the springs at x = L.  Only their signs matter: where each
 fixed support takes the five some digits further towards underflow, they are divided by the largest.
 
+A mass M with the rotary inertia J is a pair of springs that depends on the frequency,
+
+    kappa - (beta L)^4 M / (m L),   kappa_t - (beta L)^4 J / (m L^3).
+
+Where the beam has steps, EI and m are its means.  Span s has the wave number b_s beta, b_s^4 = (m_s / EI_s) / (m / EI),
+and the moments M = (EI_s / EI) phi''.  On each span the minors are carried in units of its own EI_s: at a step from
+EI_s to EI_t, B, C and D are multiplied by EI_s / EI_t, and F by the square of it.
+
 The count.  sign F = (-1)^J, where J is the number of frequencies below the trial value.  Releasing one constraint
-raises J by 0 or 1 (Rayleigh), and the two signs tell which.  Starting from the beam that is clamped at every node,
-whose J is a sum over clamped-clamped spans in closed form, and releasing one constraint after another, J follows
-with certainty: the Wittrick-Williams algorithm with signs in place of a factorisation.  Nodes are released from the
-root to the tip; what lies beyond the next, clamped node gives F the same factor before and after, so each release costs
-one span.
+raises J by 0 or 1 (Rayleigh), also where a mass is released with it, and the two signs tell which.  Starting from the
+beam that is clamped at every node, whose J is a sum over clamped-clamped spans in closed form, and releasing one
+constraint after another, J follows with certainty: the Wittrick-Williams algorithm with signs in place of a
+factorisation.  Nodes are released from the root to the tip; what lies beyond the next, clamped node gives F the same
+factor before and after, so each release costs one span.
 
 Lengths are divided by L here, so that z = beta L is the unknown.
 """
@@ -50,13 +58,15 @@ IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
 _ERROR = 1e-12  # largest relative error of a root, some thousand rounding errors
+_ONE_PLACE = 8 * float(np.finfo(float).eps)
+"""Distance of positions, divided by the length of the beam, that is rounding: 0.6 L and 24 L / 40 are one place."""
 _SMALL = 1e-100  # size below which minors are scaled up: 200 decades are left above the least double
 _SERIES_BELOW = 1.0  # z length below which two differences that cancel are summed as series; 8 terms give 1e-20
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Nodes of the beam and the springs that act at them, made dimensionless with L and EI."""
+    """Nodes of the beam with what acts at them, and the spans between them, made dimensionless with L, EI and m."""
 
     x: FloatArray
     """Node positions divided by L, from 0 to 1, shape ``(nodes,)``."""
@@ -64,11 +74,34 @@ class Layout:
     """k L^3 / EI at each node, possibly infinite, shape ``(nodes,)``."""
     torsional: FloatArray
     """kt L / EI at each node, possibly infinite, shape ``(nodes,)``."""
+    mass: FloatArray
+    """M / (m L) of the masses at each node, shape ``(nodes,)``."""
+    rotary: FloatArray
+    """J / (m L^3) of the rotary inertias at each node, shape ``(nodes,)``."""
+    stiffness: FloatArray
+    """EI of each span divided by EI, shape ``(nodes - 1,)``."""
+    wave: FloatArray
+    """Wave number b of each span divided by beta, shape ``(nodes - 1,)``; see the module's head."""
 
     @property
     def spans(self) -> FloatArray:
         """Span lengths divided by L, shape ``(nodes - 1,)``."""
         return np.diff(self.x)
+
+    @property
+    def span_masses(self) -> FloatArray:
+        """Mass per unit length of each span divided by m, shape ``(nodes - 1,)``."""
+        return np.asarray(self.stiffness * self.wave**4)
+
+    def springs(self, node: int, fourth: FloatArray) -> tuple[Spring, Spring]:
+        """Dynamic stiffnesses of a node, divided by EI / L^3 and by EI / L: force per deflection, and moment per slope.
+
+        `fourth` is (beta L)^4, ``(n,)``.  A node without a mass gives numbers, one with a mass arrays, ``(n,)``.
+        """
+        return (
+            _spring(float(self.translational[node]), float(self.mass[node]), fourth),
+            _spring(float(self.torsional[node]), float(self.rotary[node]), fourth),
+        )
 
     def rigid_modes(self) -> int:
         """Number of rigid-body modes that the springs allow: 0, 1 or 2."""
@@ -81,34 +114,62 @@ class Layout:
         return 1 if len({row[1] for row in rows}) == 1 or rows[0][0] == 0 else 0
 
 
+def _spring(stiffness: float, mass: float, fourth: FloatArray) -> Spring:
+    """Dynamic stiffness of a spring with a mass."""
+    return stiffness - fourth * mass if mass and not math.isinf(stiffness) else stiffness
+
+
 def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
-    """Positions, m, ascending, of the ends of the beam, and of all that acts on it; open stops do not act on it."""
-    parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads)
-    return np.unique(np.array([0.0, problem.beam.length, *(part.x for part in parts)]))
+    """Positions, m, ascending, of the ends of the beam's pieces, of the edges of loads, and of all that acts on the
+    beam; open stops do not.  Positions that differ by rounding are one."""
+    parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads, *problem.masses)
+    edges = [x for load in problem.static_loads for x in load.shape.edges]
+    steps = [piece.end for piece in problem.beam.pieces]
+    x = np.unique(np.array([0.0, *steps, *(part.x for part in parts), *edges]))
+    apart = np.append(np.diff(x) > _ONE_PLACE * problem.beam.length, True)
+    return np.asarray(np.append(0.0, x[apart][x[apart] > _ONE_PLACE * problem.beam.length]))
 
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
     """The beam with its supports and its `closed` stops as springs."""
     beam, x = problem.beam, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
+
+    def at(position: float) -> int:
+        return int(np.argmin(np.abs(x - position)))
+
     for support in problem.supports:
-        node = int(np.searchsorted(x, support.x))
+        node = at(support.x)
         translational[node] += support.translational
         torsional[node] += support.torsional
     for i in closed:
-        translational[int(np.searchsorted(x, problem.stops[i].x))] += problem.stops[i].stiffness
-    L = beam.length
-    return Layout(x / L, translational * (L**3 / beam.EI), torsional * (L / beam.EI))
+        translational[at(problem.stops[i].x)] += problem.stops[i].stiffness
+    mass, rotary = np.zeros(x.size), np.zeros(x.size)
+    for lumped in problem.masses:
+        node = at(lumped.x)
+        mass[node] += lumped.mass
+        rotary[node] += lumped.rotary_inertia
+    L, middle = beam.length, (x[:-1] + x[1:]) / 2
+    stiffness, span_mass = beam.EI_at(middle) / beam.EI, beam.inertia_at(middle) / beam.m
+    return Layout(
+        x=x / L,
+        translational=translational * (L**3 / beam.EI),
+        torsional=torsional * (L / beam.EI),
+        mass=mass / (beam.m * L),
+        rotary=rotary / (beam.m * L) / L**2,
+        stiffness=stiffness,
+        wave=(span_mass / stiffness) ** 0.25,
+    )
 
 
 def characteristic(layout: Layout, z: FloatArray) -> FloatArray:
     """The characteristic function F times a positive factor, without unit, at trial values beta L > 0, ``(n,)``."""
-    zero = np.zeros_like(z)
-    minors = (np.ones_like(z), zero, zero, zero, zero)
-    for i, length in enumerate([*layout.spans, None]):
-        minors = _through_springs(minors, layout.translational[i], layout.torsional[i])
-        if length is not None:
-            minors = _through_span(minors, z, _span_functions(z, float(length)))
+    minors, fourth = _free_end(z), z**4
+    for node in range(layout.x.size):
+        minors = _into_span(layout, node, minors)
+        minors = _through_springs(minors, *_own_springs(layout, node, fourth))
+        if node < layout.spans.size:
+            minors = _through_span(minors, *_span(layout, node, z))
     return minors[4]
 
 
@@ -116,30 +177,70 @@ Minors = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """A, B, C, D and F at a position, each of shape ``(n,)``."""
 SpanFunctions = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 """Factors with which minors go over a span, each of shape ``(n,)``; see `_span_functions`."""
+Spring = float | FloatArray
+"""A dynamic stiffness: one number, or an array with one for each trial value, ``(n,)``."""
 
 
-def _through_springs(minors: Minors, kappa: float, kappa_t: float) -> Minors:
+def _free_end(z: FloatArray) -> Minors:
+    """The minors of a beam that begins free."""
+    zero = np.zeros_like(z)
+    return np.ones_like(z), zero, zero, zero, zero
+
+
+def _own_springs(layout: Layout, node: int, fourth: FloatArray) -> tuple[Spring, Spring]:
+    """`Layout.springs` in units of the EI of the span to the right of a node, or of the last span."""
+    kappa, kappa_t = layout.springs(node, fourth)
+    own = float(layout.stiffness[min(node, layout.spans.size - 1)])
+    return kappa / own, kappa_t / own
+
+
+def _into_span(layout: Layout, node: int, minors: Minors) -> Minors:
+    """The minors left of a node in units of the EI of the span to the right."""
+    if not 0 < node < layout.spans.size or layout.stiffness[node - 1] == layout.stiffness[node]:
+        return minors
+    A, B, C, D, F = minors
+    r = float(layout.stiffness[node - 1] / layout.stiffness[node])
+    return A, B * r, C * r, D * r, F * r**2
+
+
+def _span(layout: Layout, node: int, z: FloatArray) -> tuple[FloatArray, SpanFunctions]:
+    """The wave numbers times L, and the functions, ``(n,)`` each, of the span to the right of a node."""
+    own = z * float(layout.wave[node])
+    return own, _span_functions(own, float(layout.spans[node]))
+
+
+def _fixed(spring: Spring) -> bool:
+    """Whether a spring is infinite."""
+    return isinstance(spring, float) and math.isinf(spring)
+
+
+def _acts(spring: Spring) -> bool:
+    """Whether there is a spring or a mass at all."""
+    return not isinstance(spring, float) or spring != 0
+
+
+def _through_springs(minors: Minors, kappa: Spring, kappa_t: Spring) -> Minors:
     """The minors to the right of a node from the minors to the left."""
     A, B, C, D, F = minors
     zero = np.zeros_like(A)
-    # Dividing by 1 + stiffness keeps the numbers of order one, and gives the infinite spring as the limit.
-    if math.isinf(kappa_t):
+    # Dividing by 1 + |stiffness| keeps the numbers of order one, and gives the infinite spring as the limit.
+    if _fixed(kappa_t):
         A, B, C, D, F = zero, A, zero, zero, D
-    elif kappa_t > 0:
-        s = 1 / (1 + kappa_t)
+    elif _acts(kappa_t):
+        s = 1 / (1 + np.abs(kappa_t))
         A, B, C, D, F = A * s, B * s + (kappa_t * s) * A, C * s, D * s, F * s + (kappa_t * s) * D
-    if math.isinf(kappa):
+    if _fixed(kappa):
         # A root of the part up to here, to the last bit, has the same signs beyond as a trial value just beside it.
         A, B, C, D, F = zero, zero, zero, A, np.where((A == 0) & (B == 0), np.finfo(float).eps, B)
-    elif kappa > 0:
-        s = 1 / (1 + kappa)
+    elif _acts(kappa):
+        s = 1 / (1 + np.abs(kappa))
         A, B, C, D, F = A * s, B * s, C * s, D * s + (kappa * s) * A, F * s + (kappa * s) * B
     return A, B, C, D, F
 
 
 def _through_span(minors: Minors, z: FloatArray, span: SpanFunctions) -> Minors:
-    """The minors at the right end of a span from the minors at its left end; where all are small they are divided by
-    the largest.
+    """The minors at the right end of a span, whose wave number times L is `z`, from the minors at its left end; where
+    all are small they are divided by the largest.
 
     A fixed support scales the minors down by about (z length)^3: without the division, they underflow on many spans.
     """
@@ -212,25 +313,26 @@ def count_below(layout: Layout, z: FloatArray) -> IntArray:
 
     The number is right unless a trial value is a frequency itself to within a few rounding errors.
     """
-    count = sum((_clamped_span_count(z * length) for length in layout.spans), np.zeros(z.shape, dtype=int))
-    zero = np.zeros_like(z)
-    minors: Minors = (np.ones_like(z), zero, zero, zero, zero)
-    for i, (kappa, kappa_t) in enumerate(zip(layout.translational, layout.torsional, strict=True)):
+    count, fourth = np.zeros(z.shape, dtype=int), z**4
+    for own, length in zip(layout.wave, layout.spans, strict=True):
+        count = count + _clamped_span_count(z * own * length)
+    minors = _free_end(z)
+    for node in range(layout.x.size):
         # Left of the node all springs act, right of it every node is clamped: that part of F is the same in all three.
-        span = None if i == layout.spans.size else _span_functions(z, float(layout.spans[i]))
-        positive = _clamped_after(minors, np.inf, np.inf, z, span)
+        minors = _into_span(layout, node, minors)
+        own, span = _span(layout, node, z) if node < layout.spans.size else (z, None)
+        kappa, kappa_t = _own_springs(layout, node, fourth)
+        positive = _clamped_after(minors, np.inf, np.inf, span)
         for translational in (np.inf, kappa):
-            now_positive = _clamped_after(minors, translational, kappa_t, z, span)
+            now_positive = _clamped_after(minors, translational, kappa_t, span)
             count = count + (now_positive != positive)
             positive = now_positive
         if span is not None:
-            minors = _through_span(_through_springs(minors, kappa, kappa_t), z, span)
+            minors = _through_span(_through_springs(minors, kappa, kappa_t), own, span)
     return np.asarray(count)
 
 
-def _clamped_after(
-    minors: Minors, kappa: float, kappa_t: float, z: FloatArray, span: SpanFunctions | None
-) -> BoolArray:
+def _clamped_after(minors: Minors, kappa: Spring, kappa_t: Spring, span: SpanFunctions | None) -> BoolArray:
     """Whether F is positive with these springs at a node and the next node clamped, or no next node; ``(n,)``."""
     after = _through_springs(minors, kappa, kappa_t)
     return np.asarray((after[4] if span is None else _at_next_node(after, span)) >= 0)
@@ -261,8 +363,9 @@ def frequencies(layout: Layout, count: int) -> FloatArray:
     lo = np.full(index.size, 1e-6)
     while index.size and count_below(layout, lo[:1])[0] > rigid:
         lo *= 1e-3
-    # A clamped span has at least z length / pi - 2 frequencies below z, and releasing its ends takes none away.
-    hi = np.full(index.size, math.pi * (count + 2 * layout.spans.size + 1))
+    # A clamped span has at least z b length / pi - 2 frequencies below z, and releasing its ends takes none away.
+    waves = float(layout.wave @ layout.spans)
+    hi = np.full(index.size, math.pi * (count + 2 * layout.spans.size + 1) / waves)
     lo, hi = _isolate(layout, index, lo, hi)
     alone = np.append(lo[1:] >= hi[:-1], True) & np.append(True, lo[1:] >= hi[:-1])
     f_lo, f_hi = characteristic(layout, lo), characteristic(layout, hi)

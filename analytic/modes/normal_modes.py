@@ -5,12 +5,17 @@ because a section point of one problem is reused, as modal coordinates, in its n
 
     phi + phi''' / beta^3 > 0,
 
-and rigid-body modes, and others so slow that they do not bend, move the tip upwards, or the beam where the tip does not
-move.  A spring k at the tip, of a support or a stop, makes EI phi''' = k phi, so the two parts have one sign and cancel
-for no k from 0 to infinity.  Where no spring acts between the ends the sum cannot vanish: with phi = phi''' = 0 at the
-tip, the solution of (8) that goes on from there has all derivatives of one sign, and meets no condition at the root.
-Nor can it where the nearest spring is many wavelengths from the tip, whatever that spring is.  What remains are single
-stiffnesses at which, with a spring between the ends, the sum of a low mode passes 0, and crossings of two frequencies.
+and rigid-body modes move the tip upwards, or the beam where the tip does not move.  A spring k at the tip, of a support
+or a stop, makes EI phi''' = k phi, so the two parts have one sign and cancel for no k from 0 to infinity.  Where no
+spring acts between the ends of a uniform beam the sum cannot vanish: with phi = phi''' = 0 at the tip, the solution of
+(8) that goes on from there has all derivatives of one sign, and meets no condition at the root.  Nor can it where the
+nearest spring is many wavelengths from the tip, whatever that spring is.  What remains are single stiffnesses at which,
+with a spring or a mass between the ends, a step, or a rotary inertia at the tip, the sum of a low mode passes 0, and
+crossings of two frequencies.
+
+A mass M at the tip makes EI phi''' = (k - omega^2 M) phi.  Where that is negative, phi''' is taken with the other sign:
+the two parts have one sign again, and the rule is continuous for every mass.  The limits of an infinite spring and of
+an infinite mass, whose shapes are the same, then differ in sign.
 
 No rule is continuous everywhere.  A beam on two pins with a spring k amid has its first two frequencies equal at
 k = 4 (2 pi)^3 coth(pi) EI / L^3.  On a closed path around that point, by way of k and the spring's place, the
@@ -22,29 +27,29 @@ across problems has to allow for that; a motion does not depend on the signs.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import eigh, solve_banded
 
-from analytic.modes.beam_functions import BeamFunctions, gram, squares
-from analytic.modes.boundary_conditions import BAND, boundary_band, mode_waves, whole
+from analytic.modes.beam_functions import TERMS, BeamFunctions, Inertia, gram, inertia_of, squares
+from analytic.modes.boundary_conditions import BAND, boundary_band, mode_solutions, whole
 from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import Beam, FloatArray, Problem
+from lapjoint.problem.masses import Mass
 
 _POOL = 40  # least number of modes computed at once
 FEW_SPANS = 6  # most spans for which all modes are solved at once, by dense matrices; beyond, one by one, by bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
-_SLOW = 1e-2
-"""beta L up to which a mode has the shape of a rigid bar's motion.  Such a mode bends by some (beta L)^4 / 200, 5e-11
-at this limit; waves that nearly cancel lose more: 2e-6 in impulses of a beam on two soft springs at half the limit."""
 _STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
 _LEFT = 1e-8  # largest residual of a condition at a support, for unit amplitudes: half of the digits
 _APART = 1e-3  # least eigenvalue allowed of the inner products of unit shapes, 1 if orthogonal, 0 if one is lost
-_CLUSTER = 1e-6  # relative distance of roots below which rounding mixes their shapes, which are then made orthogonal
+_CLUSTER = 1e-3
+"""Relative distance of roots below which shapes are made orthogonal: rounding, 1e-16, has mixed them by more than
+1e-13, 1e-16 over the distance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +73,8 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
     every point.
     """
     layout = layout_of(problem, state.closed)
-    springs = (tuple(layout.x), tuple(layout.translational), tuple(layout.torsional))
-    return _exact_modes(problem.beam, *springs, pool_size(count)).head(count)
+    parts = tuple(tuple(getattr(layout, field.name).tolist()) for field in fields(layout))
+    return _exact_modes(problem.beam, problem.masses, parts, pool_size(count)).head(count)
 
 
 def pool_size(count: int) -> int:
@@ -81,33 +86,32 @@ def pool_size(count: int) -> int:
 
 
 @lru_cache(maxsize=64)
-def _exact_modes(
-    beam: Beam, x: tuple[float, ...], translational: tuple[float, ...], torsional: tuple[float, ...], count: int
-) -> NormalModes:
-    L, layout = beam.length, Layout(np.array(x), np.array(translational), np.array(torsional))
+def _exact_modes(beam: Beam, masses: tuple[Mass, ...], parts: tuple[tuple[float, ...], ...], count: int) -> NormalModes:
+    """The modes of a beam with masses; `parts` are those of its layout."""
+    L, layout, inertia = beam.length, Layout(*map(np.array, parts)), inertia_of(beam, masses)
     z = frequencies(layout, count)
-    slow = int(np.count_nonzero(z <= _SLOW))
-    elastic = elastic_shapes(layout, z[slow:], L)
-    shapes = _joined(_rigid_shapes(layout, slow, L), elastic)
-    norm = 1 / np.sqrt(beam.m * squares(shapes))  # (16), (17)
-    shapes = _orthogonal_clusters(shapes.scaled(norm), z, beam.m)
-    shapes = shapes.scaled(np.where(_at_tip(shapes, np.where(z > _SLOW, z, 0.0) / L) < 0, -1.0, 1.0))
+    rigid = int(np.count_nonzero(z == 0))
+    shapes = _joined(_rigid_shapes(layout, rigid), elastic_shapes(layout, z[rigid:], L), inertia.x)
+    shapes = shapes.scaled(1 / np.sqrt(squares(shapes, inertia)))  # (16), (17)
+    shapes = _orthogonal_clusters(shapes, z, inertia)
+    shapes = shapes.scaled(np.where(_at_tip(shapes, layout, z) < 0, -1.0, 1.0))
     return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
 
 
-def _at_tip(shapes: BeamFunctions, beta: FloatArray) -> FloatArray:
-    """phi + phi''' / beta^3 at the tip of each mode, or 1 where `beta`, in 1/m, is 0; shape ``(modes,)``."""
-    tip, elastic = shapes.nodes[-1:], beta > 0
-    cube = np.where(elastic, beta, 1.0) ** 3
-    return np.where(elastic, shapes(tip)[:, 0] + shapes(tip, 3)[:, 0] / cube, 1.0)
+def _at_tip(shapes: BeamFunctions, layout: Layout, z: FloatArray) -> FloatArray:
+    """phi + phi''' / beta^3 at the tip of each mode, see the module's head, or 1 of a rigid-body mode; ``(modes,)``."""
+    tip, elastic, L = shapes.nodes[-1:], z > 0, shapes.nodes[-1]
+    kappa, _ = layout.springs(layout.x.size - 1, z**4)
+    shear = shapes(tip, 3)[:, 0] * (L / np.where(elastic, z, 1.0)) ** 3
+    return np.where(elastic, shapes(tip)[:, 0] + np.where(kappa < 0, -shear, shear), 1.0)
 
 
 def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW_SPANS) -> BeamFunctions:
     """The shapes of the roots z = beta L, not normalised: null vectors of the boundary matrix."""
-    waves, spans = mode_waves(z), layout.spans.size
+    solutions, spans = mode_solutions(layout, z), layout.spans.size
     amplitudes = np.zeros((z.size, 4 * spans))
     if z.size:
-        bands = boundary_band(layout, waves)
+        bands, _ = boundary_band(layout, solutions)
         if spans <= few_spans:
             amplitudes = null_vectors(whole(bands))
         # Roots that coincide to rounding share a null space with one dimension for each root: take one vector each.
@@ -115,7 +119,7 @@ def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW
             if spans > few_spans or members.size > 1:
                 amplitudes[members] = null_space_of_band(bands[members[members.size // 2]], members.size)
         _refuse_what_meets_no_conditions(bands, amplitudes, z)
-    return waves.functions(layout.x * L, amplitudes.reshape(z.size, spans, 4), L)
+    return solutions.functions(layout, amplitudes.reshape(z.size, spans, 4), L, free=True)
 
 
 def _refuse_what_meets_no_conditions(bands: FloatArray, amplitudes: FloatArray, z: FloatArray) -> None:
@@ -177,21 +181,28 @@ def null_space_of_band(band: FloatArray, count: int) -> FloatArray:
     return np.asarray(np.linalg.svd(whole(band[None])[0])[2][-count:])
 
 
-def _rigid_shapes(layout: Layout, count: int, L: float) -> FloatArray:
-    """p0, p1 of the `count` slowest motions of a rigid bar on the springs, orthogonal, shape ``(count, 2)``."""
+def _rigid_shapes(layout: Layout, count: int) -> FloatArray:
+    """The `count` motions of a rigid bar that no spring opposes, orthogonal: deflection at x = 0, and slope times L,
+    ``(count, 2)``."""
     ways = _free_ways(layout)
-    spring = np.zeros((2, 2))
+    spring, mass = np.zeros((2, 2)), np.zeros((2, 2))
     for x, k, kt in zip(layout.x, layout.translational, layout.torsional, strict=True):
         spring += (k if math.isfinite(k) else 0.0) * np.outer([1.0, x], [1.0, x])
         spring[1, 1] += kt if math.isfinite(kt) else 0.0
+    for x, lumped, rotary in zip(layout.x, layout.mass, layout.rotary, strict=True):
+        mass += lumped * np.outer([1.0, x], [1.0, x])
+        mass[1, 1] += rotary
+    for x0, x1, m in zip(layout.x[:-1], layout.x[1:], layout.span_masses, strict=True):
+        middle = (x0 + x1) / 2
+        mass += m * (x1 - x0) * np.outer([1.0, middle], [1.0, middle])
+        mass[1, 1] += m * (x1 - x0) ** 3 / 12
     # Of springs of very different stiffness, the softer mode is where the stiffer ones do not move, to rounding.
     stiffest = float(spring.max(initial=0.0)) or 1.0
-    mass = ways.T @ np.array([[1.0, 1 / 2], [1 / 2, 1 / 3]]) @ ways
-    _, found = eigh(ways.T @ (spring / stiffest) @ ways, mass)
+    _, found = eigh(ways.T @ (spring / stiffest) @ ways, ways.T @ mass @ ways)
     moved = (ways @ found).T[:count]
     tip = moved.sum(axis=1)
     up = np.where(np.abs(tip) > _STILL * np.abs(moved).sum(axis=1), tip, moved @ [1, 1 / 2])
-    return np.asarray(np.where(up < 0, -1.0, 1.0)[:, None] * moved / [1.0, L])
+    return np.asarray(np.where(up < 0, -1.0, 1.0)[:, None] * moved)
 
 
 def _free_ways(layout: Layout) -> FloatArray:
@@ -205,32 +216,39 @@ def _free_ways(layout: Layout) -> FloatArray:
     return np.array([[1.0], [0.0]]) if held else np.array([[1.0, -1.0], [0.0, 2.0]])
 
 
-def _joined(rigid: FloatArray, elastic: BeamFunctions) -> BeamFunctions:
-    """Rigid-body modes, as p0 and p1, shape ``(rigid, 2)``, and elastic ones after them, as one family."""
-    n, spans = rigid.shape[0], elastic.nodes.size - 1
-    waves = elastic.mu.shape[1]
+def _joined(rigid: FloatArray, elastic: BeamFunctions, masses: FloatArray) -> BeamFunctions:
+    """Rigid-body modes, as deflection at x = 0 and slope times L, ``(rigid, 2)``, and elastic ones after them, as one
+    family; `masses` are the positions of lumped masses, m, ``(K,)``."""
+    L, at = elastic.nodes[-1], masses / elastic.nodes[-1]
+    none = np.zeros((rigid.shape[0], *elastic.mu.shape[1:]))
+    p = np.zeros((rigid.shape[0], elastic.nodes.size - 1, TERMS))
+    p[:, :, 0] = rigid[:, :1] + rigid[:, 1:] * elastic.nodes[:-1] / L
+    p[:, :, 1] = rigid[:, 1:]
+    at_masses = np.stack([rigid[:, :1] + rigid[:, 1:] * at, rigid[:, 1:] / L + 0 * at], axis=1)
     return BeamFunctions(
         elastic.nodes,
-        np.concatenate([np.zeros((n, waves)), elastic.mu]),
+        np.concatenate([none, elastic.mu]),
         elastic.right,
-        np.concatenate([np.zeros((n, spans, waves)), elastic.c]),
-        np.concatenate([np.repeat(rigid[:, None, :], spans, axis=1), elastic.p]),
+        np.concatenate([none, elastic.c]),
+        np.concatenate([p, elastic.p]),
+        np.concatenate([at_masses, elastic.at_masses]),
     )
 
 
-def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, m: float) -> BeamFunctions:
+def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, inertia: Inertia) -> BeamFunctions:
     """Make the shapes of nearly coincident frequencies orthogonal, moving each as little as possible (Lowdin)."""
     close = np.flatnonzero(np.diff(z) < _CLUSTER * z[1:])
     if not close.size:
         return shapes
-    c = shapes.c.copy()
+    c, p, at_masses = shapes.c.copy(), shapes.p.copy(), shapes.at_masses.copy()
     for cluster in np.split(close, np.flatnonzero(np.diff(close) > 1) + 1):
         members = np.arange(cluster[0], cluster[-1] + 2)
         one = shapes.chosen(members)
-        values, vectors = np.linalg.eigh(m * gram(one, one))
+        values, vectors = np.linalg.eigh(gram(one, one, inertia))
         if values[0] < _APART:
             raise SolverError(f"the shapes of modes {members[0] + 1} to {members[-1] + 1} cannot be told apart")
-        # The exponents of the members agree to 1e-6 of themselves or better; exchanging them changes the
-        # shapes by no more than their own uncertainty within the cluster.
-        c[members] = one.mixed(vectors @ np.diag(values**-0.5) @ vectors.T).c
-    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, shapes.p)
+        # A shape takes from another, at a distance d, the fraction 1e-16 / d, with its own exponents for the other's:
+        # that changes it by d times as much, which is rounding.
+        mixed = one.mixed(vectors @ np.diag(values**-0.5) @ vectors.T)
+        c[members], p[members], at_masses[members] = mixed.c, mixed.p, mixed.at_masses
+    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, p, at_masses)

@@ -8,11 +8,13 @@ in G(x) of (20), where it is never moved again.  Here it follows its own equilib
 for each load p_l (base inertia, point loads, the constant forces k gap of the closed stops).  The sum over the
 infinitely many i > N is taken in closed form as a difference,
 
-    r_l = u_l - sum_{i <= N} Phi_i (Phi_i, p_l) / (omega_i^2 + sigma),    EI u_l'''' + m sigma u_l + springs = p_l
+    r_l = u_l - sum_{i <= N} Phi_i (Phi_i, p_l) / (omega_i^2 + sigma),    (K + sigma M) u_l = p_l
 
-where u_l is the deflection of the beam on a weak elastic foundation m sigma.  The foundation makes u_l exist for
-beams with rigid-body modes too.  It changes each left-out term by the fraction sigma / omega_i^2, which is below
-(2 / (N pi))^4 for the sigma used.
+where K is the stiffness of beam and springs, and M all their mass: u_l is the deflection of the beam on a weak elastic
+foundation m sigma, with a further spring sigma M at each mass M, and sigma J where it has a rotary inertia J.  The
+foundation makes u_l exist for beams with rigid-body modes too.  It changes each left-out term by the fraction sigma /
+omega_i^2, which is below (2 / (N pi))^4 for the sigma used, on a uniform beam.  On a span with the load p_l per unit
+length, u_l is the constant p_l / (sigma m), and a solution of the beam equation on the foundation without load.
 """
 
 from __future__ import annotations
@@ -22,9 +24,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from analytic.modes.beam_functions import BeamFunctions
-from analytic.modes.boundary_conditions import BAND, boundary_band, force_row, foundation_waves
-from analytic.modes.characteristic_equation import layout_of
+from analytic.modes.beam_functions import TERMS, BeamFunctions, Inertia, gram, integrals
+from analytic.modes.boundary_conditions import (
+    BAND,
+    boundary_band,
+    continuity_row,
+    force_row,
+    foundation_solutions,
+)
+from analytic.modes.characteristic_equation import Layout, layout_of
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
@@ -34,19 +42,45 @@ _FOUNDATION = 1.0  # gamma L of the foundation, without unit: waves as long as t
 
 @dataclass(frozen=True)
 class Loads:
-    """Load shapes: a uniform force per unit length plus concentrated forces at the nodes."""
+    """Load shapes: a force per unit length that is constant on each span, plus concentrated forces at the nodes."""
 
-    uniform: FloatArray
-    """Force per unit length, N/m, shape ``(loads,)``."""
+    distributed: FloatArray
+    """Force per unit length, N/m, shape ``(loads, spans)``."""
     concentrated: FloatArray
     """Forces at the nodes, N, shape ``(loads, nodes)``."""
+
+    def modal(self, modes: BeamFunctions) -> FloatArray:
+        """(Phi_i, p_l) (27), the unit of the loads over kg^1/2, ``(loads, modes)``."""
+        return np.asarray(self.concentrated @ modes(modes.nodes).T + self.distributed @ integrals(modes).T)
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """The shapes u_l: solutions of the beam equation without load, and a constant on each span."""
+
+    solutions: BeamFunctions
+    """Shape ``(loads,)``."""
+    constants: BeamFunctions
+    """Shape ``(loads,)``."""
+
+    def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """u_l or an x-derivative at ``x``, m, shape ``(k,)``; gives ``(loads, k)``."""
+        return self.solutions(x, derivative) + self.constants(x, derivative)
+
+    def scaled(self, factors: FloatArray) -> Foundation:
+        """Each shape times the size of its load, shape ``(loads,)``."""
+        return Foundation(self.solutions.scaled(factors), self.constants.scaled(factors))
+
+    def products(self, modes: BeamFunctions, inertia: Inertia) -> FloatArray:
+        """Inner products with modes, kg^1/2 m for each unit of load, ``(loads, modes)``."""
+        return gram(self.solutions, modes, inertia) + gram(self.constants, modes, inertia)
 
 
 @dataclass(frozen=True)
 class Residual:
     """The shapes r_l as a combination of foundation shapes and modes."""
 
-    foundation: BeamFunctions
+    foundation: Foundation
     """u_l, shape ``(loads,)``."""
     modes: BeamFunctions
     """The modes that are not left out."""
@@ -66,29 +100,37 @@ def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: L
     """The residual shape, m, of each load p_l in a state; `modal`, ``(loads, modes)``, is (Phi_i, p_l), kg^-1/2 N."""
     beam = problem.beam
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m
-    foundation = _foundation_shapes(problem, state, loads, beam.m * sigma)
+    foundation = _foundation_shapes(problem, state, loads, sigma)
     return Residual(foundation, modes.shapes, modal / (modes.omega**2 + sigma))
 
 
-def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, stiffness: float) -> BeamFunctions:
-    """Deflections under each load of the beam on springs and a foundation of `stiffness`, N/m2."""
+def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, sigma: float) -> Foundation:
+    """Deflections under each load of the beam on springs, with a further stiffness of `sigma`, 1/s2, times its mass."""
     layout, L, EI = layout_of(problem, state.closed), problem.beam.length, problem.beam.EI
-    waves, n, spans = foundation_waves(np.array([_FOUNDATION])), loads.uniform.size, layout.spans.size
-    band = boundary_band(layout, waves)[0]
-    particular = loads.uniform / stiffness  # the same constant on every span: it satisfies continuity
+    solutions, n, spans = foundation_solutions(layout, _FOUNDATION), loads.distributed.shape[0], layout.spans.size
+    band, (factors,) = boundary_band(layout, solutions)
+    constant = loads.distributed / (sigma * problem.beam.m * layout.span_masses)
     right_hand = np.zeros((4 * spans, n))
-    scale = _FOUNDATION**3
     for node in range(layout.x.size):
-        row, k = force_row(layout, node), layout.translational[node]
-        if np.isinf(k):
-            right_hand[row] = -particular
+        row, own = force_row(layout, node), constant[:, min(node, spans - 1)]
+        if 0 < node < spans:
+            right_hand[continuity_row(node)] = (constant[:, node - 1] - own) * factors[0, node]
+        kappa, _ = layout.springs(node, solutions.fourth)
+        if np.isinf(kappa).all():
+            right_hand[row] = -own * factors[2, node]
         else:
-            # EI (u'''(+) - u'''(-)) + k u = P, in units of scale (1 + k / scale) EI / L^3
-            force = loads.concentrated[:, node] * L**3 / EI
-            right_hand[row] = (force - k * particular) / scale / (1 + k / scale)
-    amplitudes = solve_banded((BAND, BAND), band, right_hand).T.reshape(n, spans, 4)
-    repeated = foundation_waves(np.full(n, _FOUNDATION))
-    shapes = repeated.functions(layout.x * L, amplitudes, L)
-    constant = np.zeros((n, spans, 2))
-    constant[:, :, 0] = particular[:, None]
-    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, shapes.c, constant)
+            # EI (u'''(+) - u'''(-)) + (k + sigma M) u = P, in units of EI / L^3
+            right_hand[row] = (loads.concentrated[:, node] * L**3 / EI - kappa * own) * factors[1, node]
+    amplitudes = solve_banded((BAND, BAND), band[0], right_hand).T.reshape(n, spans, 4)
+    return Foundation(solutions.functions(layout, amplitudes, L, free=False), _constants(layout, constant, L))
+
+
+def _constants(layout: Layout, values: FloatArray, length: float) -> BeamFunctions:
+    """Functions that are constant on each span, ``(n, S)``."""
+    n, spans = values.shape
+    p = np.zeros((n, spans, TERMS))
+    p[:, :, 0] = values
+    none, places = np.zeros((n, spans, 0), dtype=complex), np.flatnonzero(layout.mass + layout.rotary)
+    at_masses = np.zeros((n, 2, places.size))
+    at_masses[:, 0] = values[:, np.minimum(places, spans - 1)]  # right of a node, where there is a span
+    return BeamFunctions(layout.x * length, none, np.zeros(0, dtype=bool), none, p, at_masses)

@@ -44,7 +44,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError
 from lapjoint.machine.one_thread import in_one_thread
-from lapjoint.problem import Problem
+from lapjoint.problem import AtEquilibrium, Problem
 from lapjoint.solver import MODES, Progress
 
 
@@ -150,11 +150,7 @@ class PublishedScheme:
             If the march cannot go on.
         """
         problem.check_duration(duration)
-        if problem.records:
-            raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
-        if problem.random:
-            path = next(iter(problem.random))
-            raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
+        _refuse_what_was_not_published(problem)
         from analytic.published.field import history_of
         from analytic.published.initial_state import started
         from analytic.published.joint import PublishedJoint
@@ -206,6 +202,7 @@ class PublishedScheme:
             If the march cannot go on.
         """
         problem.require_excitation_frequency("steady state")
+        _refuse_what_was_not_published(problem)
         from analytic.published import steady
 
         how_long = steady.Patience(
@@ -213,3 +210,25 @@ class PublishedScheme:
         )
         counts = self.free_modes, self.contact_modes
         return steady.steady_state(problem, self.name, counts, how_long, start, progress)
+
+
+def _refuse_what_was_not_published(problem: Problem) -> None:
+    """Raise `InputError` where a problem has what the published equations do not have."""
+    if isinstance(problem.initial, AtEquilibrium):
+        raise InputError('initial.kind = "equilibrium": the published scheme starts from a given shape only')
+    if problem.records:
+        raise InputError(f"{next(iter(problem.records))}: the published scheme knows no records; allowed are sines")
+    if problem.random:
+        path = next(iter(problem.random))
+        raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
+    for field, value, allowed in (
+        ("masses", problem.masses, "beams without masses"),
+        ("beam.segments", problem.beam.segments, "uniform beams"),
+        ("gravity", problem.gravity, "loads at points"),
+        ("uniform_loads", problem.uniform_loads, "loads at points"),
+    ):
+        if value:
+            raise InputError(f"{field}: the published scheme knows none; allowed are {allowed}")
+    for i, stop in enumerate(problem.stops):
+        if stop.in_space:
+            raise InputError(f'stops[{i}].fixed_to = "space": the published scheme knows stops that move with the base')

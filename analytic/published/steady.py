@@ -5,7 +5,7 @@ called aperiodic, and its next 1000 cycles are taken.  The text does not say whe
 
 Here the penetration times of all stops (the impulses divided by the stiffnesses) and the displacements at the stops at
 the end of the cycle are compared with the values p cycles before, for p = 1, 2, ... `max_period_multiple`.  A motion
-has settled when, for one p, they agree to `tolerance` cycle by cycle for `_REPEATS` repeats, and the last repeat also
+has settled when, for one p, they agree to `tolerance` cycle by cycle for `REPEATS` repeats, and the last repeat also
 agrees with the first.  Otherwise, after `patience` impacts or `max_periods` cycles, the next 1000 cycles are averaged
 and the motion is UNDECIDED.
 
@@ -32,7 +32,7 @@ from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, im
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.solver import Progress
 
-_REPEATS = 20  # repeats after which a motion has settled: each repeats the one before, the last also the first
+REPEATS = 20  # repeats after which a motion has settled: each repeats the one before, the last also the first
 _CYCLES_AVERAGED = 1000  # cycles of an unsettled motion whose impulses are averaged, as in the paper
 _CHUNK = 500  # cycles after which the number of impacts is compared with `patience`
 _SYMMETRIC = 1e-4  # largest distance of a symmetric motion from its mirror image, relative to the largest displacement
@@ -90,7 +90,7 @@ def settling(
             log,
             rows[:limit],
             agree,
-            _REPEATS,
+            REPEATS,
             patience.tolerance,
             patience.shortest,
             MOST_SWITCHES,

@@ -124,7 +124,7 @@ class Arcs:
                 there, before = arc.flown(there), arc
             if arc.stop >= 0 and not arc.returning:
                 events[i] = arc.row[: arc.alive] @ there[:, 0]
-                events[i, end] = arc.row @ arc.end[arc.row.size :]
+                events[i, end] = arc.rate
         by_end = np.zeros((2 * n, events.shape[1]))
         by_end[: last.alive], by_end[n : n + last.alive] = there[:, 0], there[:, 1]
         by_end[:, -1] = last.system.rates(last.start + last.duration, last.end)
@@ -142,7 +142,8 @@ class Arcs:
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The arcs as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
         states, stops = sequence.states, self.problem.stops
-        places = np.unique([stop.x for stop in stops], return_index=True)[1]
+        keys = [stop.place for stop in stops]
+        places = np.array([keys.index(place) for place in sorted(set(keys))], dtype=np.intp)
         sums = {state: self.model.system(state) for state in states}
         K = max(system.exponentials[0].size + system.driven.size for system in sums.values())
         rates, amplitudes = np.zeros((2, len(states), K), dtype=complex)
@@ -157,7 +158,7 @@ class Arcs:
             angle = np.multiply.outer(chain.times[here], system.driven) + system.phase
             rates[here, : own.size + H] = np.concatenate([own, 1j * system.driven])
             amplitudes[here, : own.size + H] = np.concatenate([terms.T, -1j * np.exp(1j * angle)], axis=1)
-            shares = [system.stops[:, modes], system.stops @ system.amplitudes]
+            shares = [system.stops[:, modes], system.stop_amplitudes]
             weights[here, :, : own.size + H] = np.concatenate(shares, axis=1)[places]
             polynomial[here] = system.polynomial[places]
             polynomial[here, :, :2] += drift[places].transpose(2, 0, 1)
@@ -282,7 +283,16 @@ class _Arc:
     @property
     def h(self) -> float:
         """Gap function of the stop that switches, at the end, m."""
-        return float(self.row @ self.end[: self.row.size] - self.model.gap[self.stop])
+        seen = self.system.seen_motion(np.array([self.start + self.duration]))[self.stop, 0]
+        return float(
+            self.row @ self.end[: self.row.size] + self.model.sign[self.stop] * seen - self.model.gap[self.stop]
+        )
+
+    @property
+    def rate(self) -> float:
+        """Rate of `h`, m/s."""
+        seen = self.system.seen_motion(np.array([self.start + self.duration]), 1)[self.stop, 0]
+        return float(self.row @ self.end[self.row.size :] + self.model.sign[self.stop] * seen)
 
     @property
     def equation(self) -> float:
@@ -293,7 +303,7 @@ class _Arc:
     def mean(self) -> _MeanRate:
         """Mean rate over the arc of the gap function of the stop that switches."""
         it, d, sign = self.system, self.duration, self.model.sign[self.stop]
-        wave = sign * (it.stops[self.stop] @ it.amplitudes) * np.exp(1j * (it.driven * self.start + it.phase))
+        wave = sign * it.stop_amplitudes[self.stop] * np.exp(1j * (it.driven * self.start + it.phase))
         both = np.concatenate([self._free[:, :, 0].T * self.row, [wave.imag, it.driven * wave.real]], axis=1)
         a, omega = np.concatenate([it.damping_rate, np.zeros_like(it.driven)]), np.concatenate([it.omega, it.driven])
         means = _means(a, omega, d)

@@ -120,6 +120,8 @@ class Coupled(System):
     """c / k of the points that read z + (c / k) z', and 0 of the positions, s, shape ``(p,)``."""
     force_place: IndexArray
     """The place whose penetration times the stiffness is the force of each stop, shape ``(P,)``."""
+    push: ComplexArray
+    """Complex amplitudes of the loads, with those of dampers that move with the base, kg^1/2 m/s2, ``(n, H)``."""
     row_places: IndexArray
     """The place of each gap function, or -1 for one of an open stop that reads z + (c / k) z', ``(P + D,)``."""
 
@@ -157,15 +159,15 @@ class Coupled(System):
     @cached_property
     def amplitudes(self) -> ComplexArray:
         """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
-        found = np.zeros(self.harmonic.shape, dtype=complex)
+        found = np.zeros(self.push.shape, dtype=complex)
         for h, w in enumerate(self.driven.tolist()):
-            found[:, h] = np.linalg.solve(np.diag(self.omega**2 - w**2) + 1j * w * self.D, self.harmonic[:, h])
+            found[:, h] = np.linalg.solve(np.diag(self.omega**2 - w**2) + 1j * w * self.D, self.push[:, h])
         return found
 
     @cached_property
     def place_amplitudes(self) -> ComplexArray:
-        """Complex amplitudes of the forced motion of the places, m, shape ``(p, H)``."""
-        return np.asarray(self.places @ self.amplitudes * (1 + 1j * np.outer(self.delay, self.driven)))
+        """Complex amplitudes of the forced motion that the gaps at the places see, m, shape ``(p, H)``."""
+        return np.asarray((self.places @ self.amplitudes + self.seen) * (1 + 1j * np.outer(self.delay, self.driven)))
 
     @cached_property
     def shares(self) -> ComplexArray:
@@ -215,7 +217,7 @@ class Coupled(System):
     def rates(self, t: float, y: FloatArray) -> FloatArray:
         """d(q, q')/dt at time `t`, s, from `y` = (q, q'), shape ``(2 n,)``."""
         q, v = y[: self.omega.size], y[self.omega.size :]
-        force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
+        force = self.constant + (self.push @ np.exp(1j * (self.driven * t + self.phase))).imag
         return np.concatenate([v, force - self.D @ v - self.omega**2 * q])
 
     def flown(self, s: float, deviations: FloatArray) -> FloatArray:
@@ -379,11 +381,12 @@ def coupled_system(
     """
     damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
     closed = [k for k in damped if k in state]
-    pressing = np.zeros_like(own)
+    pressing, push = np.zeros_like(own), base.harmonic.astype(complex)
     for k in closed:
         if k not in state.released:
             phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
             pressing += stops[k].damping * np.outer(phi, phi)
+            push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
     D = own + pressing
     places, P = base.places.shape[0], len(stops)
     force_place, row_places = base.place_of.copy(), np.full(P + len(damped), -1)
@@ -392,6 +395,7 @@ def coupled_system(
         force_place[k] = row_places[P + damped.index(k)] = places + i
     given = {field.name: getattr(base, field.name) for field in fields(System)}
     given |= {"state": state, "places": np.concatenate([base.places, base.stops[closed]])}
+    given["seen"] = np.concatenate([base.seen, base.seen[base.place_of[closed]]])
     given["place_of"] = row_places[searched_rows(stops, state)]
     same = alike is not None and alike.omega is base.omega
     return Coupled(
@@ -400,6 +404,7 @@ def coupled_system(
         free=alike.free if alike is not None and same else exponentials(base.omega, own, pressing),
         delay=np.array([*np.zeros(places), *(stops[k].damping / stops[k].stiffness for k in closed)]),
         force_place=force_place,
+        push=push,
         row_places=row_places,
     )
 

@@ -16,7 +16,7 @@ from fe_lapjoint.march.compiled import above_trough, at_place, at_row
 from fe_lapjoint.march.envelope import from_chord, from_tangent
 from fe_lapjoint.march.events import BoolArray, GapReaders, in_python, searching
 from fe_lapjoint.march.propagator import Coordinates, Flow
-from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray
+from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray, System
 from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -167,8 +167,8 @@ class FlowGaps:
 class SolutionGaps:
     """The gap functions, orientation z - offset, of a library method's dense output."""
 
-    stops: FloatArray
-    """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
+    system: System
+    """The contact state."""
     coordinates: Coordinates
     start: float
     """Start of the window, s."""
@@ -181,8 +181,12 @@ class SolutionGaps:
 
     def __call__(self, t: FloatArray) -> FloatArray:
         """All gap functions, m, at the times ``(m,)``, shape ``(P, m)``."""
-        z = self.stops @ self.coordinates(t, 0)
+        z = self._at_stops(t, 0)
         return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
+
+    def _at_stops(self, t: FloatArray, dt: int) -> FloatArray:
+        """The `dt`-th derivative of the displacement that the gaps see at times ``(m,)``: m s^-dt, ``(P, m)``."""
+        return np.asarray(self.system.stops @ self.coordinates(t, dt) + self.system.seen_motion(t, dt))
 
     def first_switch(self, rounding: FloatArray, fresh: BoolArray) -> tuple[float, int]:
         """The first switch on the grid. See `fe_lapjoint.march.events.searching`."""
@@ -192,7 +196,7 @@ class SolutionGaps:
 
     def at(self, k: int, t: float) -> tuple[float, float]:
         """One gap function and its rate. See `fe_lapjoint.march.events.Gaps.at`."""
-        z, rate = (float(self.stops[k] @ self.coordinates(np.array([t]), dt)[:, 0]) for dt in (0, 1))
+        z, rate = (float(self._at_stops(np.array([t]), dt)[k, 0]) for dt in (0, 1))
         return float(self.orientation[k] * z - self.offset[k]), float(self.orientation[k] * rate)
 
     def at_step(self, k: int, i: int) -> tuple[float, float, float, float]:
@@ -224,11 +228,11 @@ class SolutionGaps:
 
         It is an estimate, not a bound: dense output gives no bound.
         """
-        sampled = np.abs(self.stops @ self.coordinates(np.linspace(self.start, self.end, 200), 2))
+        sampled = np.abs(self._at_stops(np.linspace(self.start, self.end, 200), 2))
         return np.asarray(2 * sampled.max(axis=1, initial=0.0))
 
     @cached_property
     def rounding(self) -> FloatArray:
         """Rounding error of each gap function, m, shape ``(P,)``."""
         q = np.abs(self.coordinates(np.array([self.start]), 0)[:, 0])
-        return np.asarray(32 * np.finfo(float).eps * (np.abs(self.stops) @ q + np.abs(self.offset)))
+        return np.asarray(32 * np.finfo(float).eps * (np.abs(self.system.stops) @ q + np.abs(self.offset)))

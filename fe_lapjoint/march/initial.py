@@ -11,16 +11,17 @@ displacement does not have: differences of nodal values would leave their roundi
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 
+from fe_lapjoint.equilibrium import start_of
 from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.system import System
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.equilibrium import RestingStart
 from lapjoint.problem import FloatArray
 
 ShapeFunction = Callable[..., FloatArray]
@@ -38,13 +39,15 @@ def initial_state(model: Model) -> ContactState:
 
     A stop is open if the beam touches it and no derivative examined differs from 0.
     """
-    initial, stops = model.problem.initial, model.problem.stops
-    gaps = np.array([it.sign * float(initial.displacement_at(np.array(it.x))) - it.gap for it in stops])
+    initial, stops = start_of(model.problem), model.problem.stops
+    base, of_base = _base_motion(model, 0)
+    z = np.array([float(initial.displacement_at(np.array(it.x))) for it in stops]) + base
+    gaps = model.sign * z - model.gap
     size = float(np.abs(initial.displacement_at(model.assembly.nodes)).max())
-    undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size}
-    state = _with_released(
-        model, ContactState(tuple(k for k in range(len(stops)) if k not in undecided and gaps[k] > 0))
-    )
+    pressing = {k for k in range(len(stops)) if isinstance(initial, RestingStart) and initial.pressed(k)}
+    undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size + of_base[k]} - pressing
+    closed = tuple(k for k in range(len(stops)) if k in pressing or (k not in undecided and gaps[k] > 0))
+    state = _with_released(model, ContactState(closed))
     for order in range(1, _ORDERS + 1):
         if not undecided:
             break
@@ -67,18 +70,20 @@ def _with_released(model: Model, state: ContactState) -> ContactState:
 
 def _depth_and_rate(model: Model, k: int) -> tuple[float, float]:
     """How far the beam is beyond the gap of a stop at t = 0, m, and how fast it goes there, m/s."""
-    initial, stop = model.problem.initial, model.problem.stops[k]
-    z, rate = (float(shape(np.array(stop.x))) for shape in (initial.displacement_at, initial.velocity_at))
+    initial, stop = start_of(model.problem), model.problem.stops[k]
+    shapes = initial.displacement_at, initial.velocity_at
+    z, rate = (float(shape(np.array(stop.x)) + _base_motion(model, n)[0][k]) for n, shape in enumerate(shapes))
     return stop.sign * z - stop.gap, stop.sign * rate
 
 
 def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArray, FloatArray]:
-    """The time derivative of an order of z at the stops at t = 0, and its rounding error, m/s^order, ``(P,)`` each."""
-    initial, system = model.problem.initial, model.system(state)
+    """The time derivative of an order of what the gaps of the stops see at t = 0, and its rounding error, m/s^order,
+    ``(P,)`` each."""
+    initial, system, (base, of_base) = start_of(model.problem), model.system(state), _base_motion(model, order)
     if order == 1:
         rate = [float(initial.velocity_at(np.array(stop.x))) for stop in model.problem.stops]
         fastest = float(np.abs(initial.velocity_at(model.assembly.nodes)).max())
-        return np.array(rate), np.full(len(rate), _DIGITS_LOST * fastest)
+        return np.array(rate) + base, _DIGITS_LOST * fastest + of_base
     v = initial_coordinates(model.assembly, system)[system.omega.size :]
     x, of_x = np.zeros_like(v), np.zeros_like(v)  # 0: `_elastic_forces` replaces K u and K u'
     v, of_v = _cleared(v, np.full_like(v, _DIGITS_LOST * float(np.linalg.norm(v))))
@@ -95,7 +100,15 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
             error = of_push + of_pull + of_drag + _DIGITS_LOST * (np.abs(pull) + np.abs(drag))
             (x, of_x), (v, of_v) = (v, of_v), _cleared(push - pull - drag, error)
         reading = np.abs(system.stops)
-        return system.stops @ v, reading @ of_v + _DIGITS_LOST * (reading @ np.abs(v))
+        return system.stops @ v + base, reading @ of_v + _DIGITS_LOST * (reading @ np.abs(v)) + of_base
+
+
+def _base_motion(model: Model, order: int) -> tuple[FloatArray, FloatArray]:
+    """A time derivative of y at t = 0 as each stop's gap sees it, and its rounding error, m/s^order, ``(P,)`` each."""
+    in_space = np.array([stop.in_space for stop in model.problem.stops], dtype=float)
+    sizes = [(wave.amplitude * wave.angular_frequency**order, wave.phase) for wave in model.problem.moved_stops]
+    total = sum(size * (1j**order * np.exp(1j * phase)).imag for size, phase in sizes)
+    return in_space * total, in_space * _DIGITS_LOST * sum(size * (1 + abs(phase)) for size, phase in sizes)
 
 
 def _cleared(values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -107,7 +120,10 @@ def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
     """A time derivative of the modal forces at t = 0, and its rounding error, kg^1/2 m/s^(2 + order), ``(n,)`` each."""
     power = system.driven**order
     total = system.harmonic @ (power * np.imag(1j**order * np.exp(1j * system.phase)))
-    size = np.abs(system.harmonic).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
+    if isinstance(system, Coupled):
+        total = (system.push @ (power * 1j**order * np.exp(1j * system.phase))).imag
+    loads = system.push if isinstance(system, Coupled) else system.harmonic
+    size = np.abs(loads).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
     parts = [system.constant] if order == 0 else []
     if system.ramps is not None and order < 2:
         parts.append(system.ramps.at(0.0)[order])
@@ -119,10 +135,8 @@ def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
 def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) -> tuple[FloatArray, FloatArray]:
     """K u of a shape of the beam in modal coordinates, and its rounding error, kg^1/2/s2 times the unit of the
     shape."""
-    beam, h = assembly.problem.beam, np.diff(assembly.nodes)
-    offset = np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
-    x = (assembly.nodes[:-1, None] + h[:, None] * offset).ravel()
-    bent = np.sqrt(beam.EI * np.repeat(h, 2) / 2) * shape(x, 2)
+    x, weight = assembly.strain_points
+    bent = weight * shape(x, 2)
     rows, k = assembly.springs(acting(system.state))
     at_nodes = _nodal(assembly, shape)
     strained, loaded = assembly.curvature @ system.vectors, k[:, None] * (rows @ system.vectors)
@@ -134,9 +148,13 @@ def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) ->
 
 def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
     """(q, q') at t = 0 by Hermite interpolation on the mesh, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
-    initial = assembly.problem.initial
+    initial = start_of(assembly.problem)
     shapes = initial.displacement_at, initial.velocity_at
-    return np.concatenate([system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes])
+    q, v = (system.vectors.T @ (assembly.mass @ _nodal(assembly, shape)) for shape in shapes)
+    if isinstance(initial, RestingStart) and initial.kept_in(system.state):
+        held = system.omega > 0  # these modes rest where the constant loads hold them, to the bit
+        q[held] = system.constant[held] / system.omega[held] ** 2
+    return np.concatenate([q, v])
 
 
 def _nodal(assembly: Assembly, shape: ShapeFunction) -> FloatArray:

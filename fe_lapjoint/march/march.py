@@ -261,6 +261,8 @@ def window_of(model: Model, state: ContactState) -> float:
 
     The slow motion is the first bending of the beam, or the slowest mode that oscillates with all stops closed, if that
     mode is slower: on springs that are soft compared with the beam, the joint swings as a rigid body and hardly bends.
+    The mode counts with the frequency that it would have without the masses, about: beside a heavy mass, which moves
+    slowly, the beam may rattle as fast as without it.
     The search is by bounds, which hold in a window of any length.  A library method gives no bounds; its windows depend
     on bending alone.
     """
@@ -268,7 +270,9 @@ def window_of(model: Model, state: ContactState) -> float:
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
     if model.method == "exact":
         omega = model.undamped(ContactState(tuple(range(model.sign.size)))).omega
-        slow = min(slow, float(omega[omega > 0].min(initial=math.inf)))
+        carried = sum(mass.mass + mass.rotary_inertia / beam.length**2 for mass in model.problem.masses)
+        lighter = math.sqrt(1 + carried / (beam.m * beam.length))
+        slow = min(slow, lighter * float(omega[omega > 0].min(initial=math.inf)))
     return 2 * math.pi / float(max([slow, *model.system(state).driven])) / WINDOWS_PER_PERIOD
 
 
@@ -329,7 +333,7 @@ def _advance_by_library(
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`, and (q, q') at its end."""
     coordinates = integrate(model, state, t, end, y)
-    gaps = SolutionGaps(model.system(state).stops, coordinates, t, end, model.orientation(state), model.offset(state))
+    gaps = SolutionGaps(model.system(state), coordinates, t, end, model.orientation(state), model.offset(state))
     time, stop = math.inf, -1
     if model.sign.size:
         time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding, slice(None)), previous.switch == t)
@@ -359,7 +363,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         edges = np.linspace(piece.start, piece.end, 17)
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = system.stops @ piece.coordinates(t, 0) @ w
+        area = (system.stops @ piece.coordinates(t, 0) + system.seen_motion(t)) @ w
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
@@ -382,8 +386,8 @@ def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
         return FlowGaps(flow.of_forces(), closed * model.sign, closed * model.gap, step)
     if flow is not None:
         return FlowGaps(flow, orientation, offset, step)
-    stops = model.system(piece.state).stops
-    return SolutionGaps(stops, piece.coordinates, piece.start, piece.end, orientation, offset)
+    system = model.system(piece.state)
+    return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
 
 
 def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end: bool) -> Contact:

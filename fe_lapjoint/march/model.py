@@ -81,7 +81,7 @@ class Model:
             if self._alike is None:
                 system = build_system(self.assembly, state)
             else:
-                system = under_other_loads(self._alike.undamped(state), self.assembly, self.problem.forces.harmonic)
+                system = under_other_loads(self._alike.undamped(state), self.assembly, self.problem)
             self._undamped[state] = system
         return system
 

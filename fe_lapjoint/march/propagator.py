@@ -204,20 +204,25 @@ class Flow:
         """The time integral of z at the stops from the start to `end`, m s, shape ``(P,)``."""
         it, T = self.system, end - self.start
         if not it.plain:
-            return np.asarray(it.stops @ self.integral(end))
+            return np.asarray(it.stops @ self.integral(end) + (it.seen @ self._integral_of_waves(T).imag)[it.place_of])
         return np.asarray(integrals(self.terms, it.rates_of_terms, T)[it.place_of])
 
     def integral(self, end: float) -> FloatArray:
         """The time integral of q from the start to `end`, kg^1/2 m s, shape ``(n,)``."""
         it, T = self.system, end - self.start
-        waves = np.expm1(1j * it.driven * T) / (1j * it.driven) * np.exp(1j * (it.driven * self.start + it.phase))
-        area = (it.amplitudes @ waves).imag + it.equilibrium * T
+        area = (it.amplitudes @ self._integral_of_waves(T)).imag + it.equilibrium * T
         if it.drift is not None:
             area += it.drift[0] * (T**2 / 2) + it.drift[1] * (T**3 / 6)
         area[it.oscillating] += (self._phasors * np.expm1(it.roots * T) / it.roots).real
         if not it.all_oscillate:
             area += self._integral_of_others(T)
         return np.asarray(area)
+
+    def _integral_of_waves(self, T: float) -> ComplexArray:
+        """The integral of exp(i angle) of each harmonic load over T from the start, s, shape ``(H,)``."""
+        it = self.system
+        turned = np.exp(1j * (it.driven * self.start + it.phase))
+        return np.asarray(np.expm1(1j * it.driven * T) / (1j * it.driven) * turned)
 
     def _integral_of_others(self, T: float) -> FloatArray:
         """The integral over T of the free motion of modes that do not oscillate, 0 for the other modes, ``(n,)``."""

@@ -2,14 +2,15 @@ r"""The semi-discrete beam in one contact state, in the coordinates of its own f
 
     M u'' + C u' + K u = f0 + sum_h fh sin(Omega_h t + phase_h)
 
-with the springs of the closed stops in K and their k gap in f0.  The modes of one mesh span all of its degrees of
+with the springs of the closed stops in K and their k gap in f0.  Stops fixed in space move relative to the base by -y:
+each wave of y is a further harmonic load, by which closed ones push with -k y and which the gap functions of all of
+them see as y beside z.  The modes of one mesh span all of its degrees of
 freedom, so nothing is lost between states: q_new = Phi_new^T M Phi_old q_old exactly.  Under modal damping every
 mode of the state has its ratio; under viscous damping C = (C / m) M.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -19,7 +20,8 @@ import numpy.typing as npt
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.problem.excitation import Wave
 from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.ramps import RampBlocks
 
@@ -74,9 +76,11 @@ class System:
     stops: FloatArray
     """Modes at the stops, kg^-1/2, shape ``(P, n)``."""
     places: FloatArray
-    """The distinct rows of `stops`: one for each position, kg^-1/2, shape ``(p, n)``."""
+    """The distinct rows of `stops`: one for each position, and for stops in space, kg^-1/2, shape ``(p, n)``."""
     place_of: IndexArray
     """Which of the `places` each stop is at, shape ``(P,)``."""
+    seen: FloatArray
+    """Amplitude of the base's motion y that the gaps at each place see, by harmonic load, m, shape ``(p, H)``."""
     ramps: ModalRamps | None = None
     """The sampled forces, if there are any."""
 
@@ -126,8 +130,26 @@ class System:
 
     @cached_property
     def place_amplitudes(self) -> ComplexArray:
-        """Complex amplitudes of the forced motion of the places, m, shape ``(p, H)``."""
-        return np.asarray(self.places @ self.amplitudes)
+        """Complex amplitudes of the forced motion that the gaps at the places see, m, shape ``(p, H)``."""
+        return np.asarray(self.places @ self.amplitudes + self.seen)
+
+    @cached_property
+    def stop_amplitudes(self) -> ComplexArray:
+        """The `place_amplitudes` of the place of each stop, m, shape ``(P, H)``."""
+        return np.asarray(self.place_amplitudes[self.place_of])
+
+    @cached_property
+    def sees_base(self) -> bool:
+        """Whether the gap of any stop sees the motion of the base."""
+        return bool(self.seen.any())
+
+    def seen_motion(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 2) of the y that each stop's gap sees at times ``(m,)``: m s^-dt, ``(P, m)``."""
+        if not self.sees_base:
+            return np.zeros((self.place_of.size, t.size))
+        angle = self.driven[:, None] * t + self.phase[:, None]
+        waves = ((1j * self.driven[:, None]) ** dt * np.exp(1j * angle)).imag
+        return np.asarray((self.seen @ waves)[self.place_of])
 
     @cached_property
     def shares(self) -> ComplexArray:
@@ -312,9 +334,9 @@ class System:
 
 def build_system(assembly: Assembly, state: ContactState) -> System:
     """The modal form of a contact state on a mesh."""
-    problem, loads = assembly.problem, assembly.problem.forces.harmonic
+    problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
-    harmonic, driven = _harmonic_loads(assembly, vectors, loads)
+    harmonic, driven, seen = _harmonic_loads(assembly, state, vectors, problem)
     damping_rate = _damping_rates(assembly, omega)
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
@@ -322,7 +344,8 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         stop = problem.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     stops = assembly.stop_rows @ vectors
-    _, first, place_of = np.unique(assembly.stop_places, return_index=True, return_inverse=True)
+    places = np.stack([assembly.stop_places, [stop.in_space for stop in problem.stops]], axis=1)
+    _, first, place_of = np.unique(places, axis=0, return_index=True, return_inverse=True)
     for step in problem.forces.constant:
         f0 += step.force * assembly.load(step.shape)
     return System(
@@ -333,30 +356,45 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         constant=vectors.T @ f0,
         harmonic=harmonic,
         driven=driven,
-        phase=np.array([load.phase for load in loads]),
+        phase=np.array([load.phase for load in _waves(problem)]),
         stops=stops,
         places=stops[first],
         place_of=place_of.ravel(),
+        seen=seen[first],
         ramps=_modal_ramps(assembly, vectors),
     )
 
 
-def under_other_loads(alike: System, assembly: Assembly, loads: Sequence[HarmonicForce]) -> System:
-    """A contact state under harmonic loads that differ from those of `alike` by size or frequency alone."""
-    harmonic, driven = _harmonic_loads(assembly, alike.vectors, loads)
+def under_other_loads(alike: System, assembly: Assembly, problem: Problem) -> System:
+    """A contact state of a problem whose harmonic loads differ from those of `alike` by size or frequency alone."""
+    harmonic, driven, seen = _harmonic_loads(assembly, alike.state, alike.vectors, problem)
+    first = np.unique(alike.place_of, return_index=True)[1]
     omega = alike.omega
     if (alike.damping_rate < DETUNE * omega).any():
         omega = _away_from_resonance(eigenmodes(assembly, alike.state)[0], alike.damping_rate, driven.tolist())
-    return replace(alike, omega=omega, harmonic=harmonic, driven=driven)
+    return replace(alike, omega=omega, harmonic=harmonic, driven=driven, seen=seen[first])
+
+
+def _waves(problem: Problem) -> tuple[HarmonicForce | Wave, ...]:
+    """The harmonic loads, and after them the waves of stops fixed in space."""
+    return (*problem.forces.harmonic, *problem.moved_stops)
 
 
 def _harmonic_loads(
-    assembly: Assembly, vectors: FloatArray, loads: Sequence[HarmonicForce]
-) -> tuple[FloatArray, FloatArray]:
-    """Modal amplitudes, kg^1/2 m/s2, ``(n, H)``, and angular frequencies, rad/s, ``(H,)``, of harmonic loads."""
-    shape = len(loads), vectors.shape[0]
-    forces = np.array([load.amplitude * assembly.load(load.shape) for load in loads]).reshape(shape).T
-    return vectors.T @ forces, np.array([load.angular_frequency for load in loads])
+    assembly: Assembly, state: ContactState, vectors: FloatArray, problem: Problem
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Harmonic loads, and after them the waves of stops fixed in space.
+
+    Modal amplitudes, kg^1/2 m/s2, ``(n, H)``; angular frequencies, rad/s, ``(H,)``; and the amplitude of y that each
+    stop's gap sees, m, ``(P, H)``.
+    """
+    loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.stops
+    springs = np.array([stop.stiffness * (stop.in_space and k in state) for k, stop in enumerate(stops)], dtype=float)
+    columns = [load.amplitude * assembly.load(load.shape) for load in loads]
+    columns += [-wave.amplitude * (springs @ assembly.stop_rows) for wave in waves]
+    forces = np.array(columns).reshape(len(columns), vectors.shape[0]).T
+    seen = np.outer([stop.in_space for stop in stops], [0.0] * len(loads) + [wave.amplitude for wave in waves])
+    return vectors.T @ forces, np.array([load.angular_frequency for load in _waves(problem)]), seen
 
 
 def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: list[float]) -> FloatArray:

@@ -158,7 +158,7 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
     deviations, drift = terms[:, :-1], drift[:, :, :-1]
     if here.rest is not None:
         deviations, drift = deviations @ here.rest, drift @ here.rest
-    weights = np.concatenate([system.stops[:, modes].astype(complex), system.stops @ system.amplitudes], axis=1)
+    weights = np.concatenate([system.stops[:, modes].astype(complex), system.stop_amplitudes], axis=1)
     return Segment(
         start=piece.start,
         end=piece.end,
@@ -188,13 +188,13 @@ def _with_forces(model: Model, values: Array) -> Array:
 
 def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviations) -> Segment:
     """`_segment` of a piece in which damped stops are closed."""
-    flow, n = piece.flow, system.omega.size
+    flow = piece.flow
     assert isinstance(flow, CoupledFlow)
     columns = here.columns if here.rest is None else here.columns @ here.rest
     known = (system.row_places >= 0)[:, None]
     places, delay = np.where(known, system.places[system.row_places], 0.0), system.delay[system.row_places][:, None]
     rates = system.rates_of_terms[:-1]
-    weights = places @ system.motion[:n] * (1 + delay * rates)
+    weights = np.where(known, system.shares[system.row_places, :-1], 0.0)
     polynomial, drift = np.zeros((known.size, 3)), np.zeros((known.size, 2, columns.shape[1]))
     still = flow.polynomial
     polynomial[:] = places @ still
@@ -252,13 +252,15 @@ def _jump(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, co
         return np.concatenate([S[:, :count] @ vectors[:count], S[:, :count] @ vectors[n : n + count]])
 
     y = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
-    rates = old.rates(piece.end, y)
+    rates, at = old.rates(piece.end, y), np.array([piece.end])
     change = mapped(rates, n) - new.rates(piece.end, after)
     if piece.switched < model.sign.size:
         row = old.stops[piece.switched]
-        delay = -(row @ columns[:n]) / (row @ y[n:])
+        delay = -(row @ columns[:n]) / (row @ y[n:] + old.seen_motion(at, 1)[piece.switched, 0])
     else:  # a force ends or begins where z + (c / k) z' is at the gap
         k = model.damped[piece.switched - model.sign.size]
-        row = np.concatenate([old.stops[k], model.problem.stops[k].damping / model.stiffness[k] * old.stops[k]])
-        delay = -(row @ columns) / (row @ rates)
+        lag = model.problem.stops[k].damping / model.stiffness[k]
+        row = np.concatenate([old.stops[k], lag * old.stops[k]])
+        seen = old.seen_motion(at, 1)[k, 0] + lag * old.seen_motion(at, 2)[k, 0]
+        delay = -(row @ columns) / (row @ rates + seen)
     return np.asarray(np.multiply.outer(change, delay) + mapped(columns, count))

@@ -1,4 +1,4 @@
-"""Hermite beam elements by scikit-fem: stiffness, consistent mass, loads, and evaluation of the result.
+"""Hermite beam elements by scikit-fem: stiffness, mass, loads, and evaluation of the result.
 
 Slopes are scaled by L, so that the matrices are well conditioned whatever the units.
 
@@ -16,7 +16,7 @@ from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
-from skfem import Basis, BilinearForm, ElementLineHermite, LinearForm, MeshLine
+from skfem import Basis, BilinearForm, ElementLineHermite, MeshLine
 from skfem.helpers import dd, ddot
 
 from fe_lapjoint.modes.mesh import SAME
@@ -37,23 +37,26 @@ def inertia(u, v, _):  # type: ignore[no-untyped-def]
     return u * v
 
 
-@LinearForm
-def uniform(v, _):  # type: ignore[no-untyped-def]
-    """Integral of v over the element: a unit force per unit length. See `skfem.LinearForm` for the arguments."""
-    return 1.0 * v
-
-
 @cache
-def unit_element() -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Stiffness ``(4, 4)``, mass ``(4, 4)`` and uniform load ``(4,)`` of an element with h = EI = m = 1; read-only."""
+def unit_element() -> tuple[FloatArray, FloatArray]:
+    """Stiffness and mass, ``(4, 4)`` each, of an element with h = EI = m = 1; read-only."""
     basis = Basis(MeshLine([0.0, 1.0]), ElementLineHermite(), intorder=6)  # mass: degree 3 + 3
     order = basis.nodal_dofs.T.ravel()
     pick = np.ix_(order, order)
     K, M = (form.assemble(basis).toarray()[pick] for form in (bending, inertia))
-    f = np.asarray(uniform.assemble(basis)[order])
-    for part in (K, M, f):
+    for part in (K, M):
         part.flags.writeable = False
-    return K, M, f
+    return K, M
+
+
+def two_points(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Gauss' two points between `a` and `b`, m, ``(e,)`` each, and half the lengths b - a, m, as weights: ``(2 e,)``.
+
+    They integrate cubics without error.
+    """
+    h = b - a
+    x = a[:, None] + h[:, None] * np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
+    return x.ravel(), np.repeat(h, 2) / 2
 
 
 _HELD = 1e-9
@@ -72,18 +75,24 @@ class Assembly:
     """Node positions, m, shape ``(nodes,)``."""
 
     @cached_property
-    def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _matrices(self) -> tuple[FloatArray, FloatArray]:
+        size, middle = 2 * self.nodes.size, (self.nodes[:-1] + self.nodes[1:]) / 2
+        K, M = np.zeros((size, size)), np.zeros((size, size))
+        k, m = unit_element()
         beam = self.problem.beam
-        size = 2 * self.nodes.size
-        K, M, f = np.zeros((size, size)), np.zeros((size, size)), np.zeros(size)
-        k, m, one = unit_element()
-        for e, h in enumerate(np.diff(self.nodes)):
+        rows = zip(np.diff(self.nodes), beam.EI_at(middle), beam.inertia_at(middle), strict=True)
+        for e, (h, EI, inertia) in enumerate(rows):
             here, slope = slice(2 * e, 2 * e + 4), h / beam.length
             scale = np.array([1.0, slope, 1.0, slope])
-            K[here, here] += beam.EI / h**3 * k * np.outer(scale, scale)
-            M[here, here] += beam.m * h * m * np.outer(scale, scale)
-            f[here] += h * one * scale
-        return K, M, f
+            K[here, here] += EI / h**3 * k * np.outer(scale, scale)
+            M[here, here] += inertia * h * m * np.outer(scale, scale)
+        return K, M
+
+    @cached_property
+    def strain_points(self) -> tuple[FloatArray, FloatArray]:
+        """Two Gauss points an element, m, and sqrt(EI w) with their weights w, N^1/2 m^3/2, ``(2 e,)`` each."""
+        x, w = two_points(self.nodes[:-1], self.nodes[1:])
+        return x, np.sqrt(self.problem.beam.EI_at(x) * w)
 
     @cached_property
     def curvature(self) -> FloatArray:
@@ -91,24 +100,38 @@ class Assembly:
 
         Strain energy from B u loses far fewer digits on fine meshes than u^T K u: cancellation is of order h^-2.
         """
-        h = np.diff(self.nodes)
-        offset = np.array([0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)])
-        x = (self.nodes[:-1, None] + h[:, None] * offset).ravel()
-        weight = np.sqrt(self.problem.beam.EI * np.repeat(h, 2) / 2)
+        x, weight = self.strain_points
         return weight[:, None] * self.shapes(x, 2)
 
     @property
     def mass(self) -> FloatArray:
-        """Consistent mass of the free degrees of freedom, kg, shape ``(n, n)``."""
-        return np.asarray(self._matrices[1][np.ix_(self.free, self.free)])
+        """Mass of the free degrees of freedom, kg, ``(n, n)``: consistent of the beam, and the masses on it."""
+        M, L = self._matrices[1][np.ix_(self.free, self.free)], self.problem.beam.length
+        for it in self.problem.masses:
+            for row, size in ((self.reading(it.x), it.mass), (self.reading(it.x, 1), it.rotary_inertia / L**2)):
+                M += size * np.outer(row, row)
+        return np.asarray(M)
 
     def load(self, shape: LoadShape) -> FloatArray:
-        """The load vector, ``(n,)``, of a load of size 1; its pieces begin and end at nodes."""
+        """The load vector, ``(n,)``, of a load of size 1; read-only."""
+        if shape not in self._loads:
+            self._loads[shape] = self._consistent(shape)
+            self._loads[shape].flags.writeable = False
+        return self._loads[shape]
+
+    @cached_property
+    def _loads(self) -> dict[LoadShape, FloatArray]:
+        return {}
+
+    def _consistent(self, shape: LoadShape) -> FloatArray:
+        """The work, ``(n,)``, of a load of size 1 on a unit of each degree of freedom: the integral of its forces."""
         found = np.zeros(self.free.size)
         for x, force in shape.points:
             found += force * self.reading(x)
-        for _, _, force in shape.pieces:
-            found += force * self._matrices[2][self.free]
+        for start, end, force in shape.pieces:
+            a, b = np.maximum(self.nodes[:-1], self.place(start)), np.minimum(self.nodes[1:], self.place(end))
+            points, w = two_points(a[a < b], b[a < b])
+            found += force * (w @ self.shapes(points, 0))
         return found
 
     @cached_property
@@ -174,16 +197,26 @@ class Assembly:
 
     @cached_property
     def rigid_motions(self) -> FloatArray:
-        """Rigid-body motions that the fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``."""
-        full = np.zeros((2 * self.nodes.size, 2))
-        full[::2, 0] = 1.0
-        full[::2, 1] = self.nodes / self.problem.beam.length - 0.5
-        full[1::2, 1] = 1.0
+        """Rigid-body motions that the fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``.
+
+        Two of them are translation, and rotation about the centre of mass: orthogonal however heavy a mass is.
+        """
+        full = self._translation_and_rotation(0.5)
         fixed = np.delete(full, self.free, axis=0)
         _, size, directions = np.linalg.svd(np.vstack([fixed, np.zeros((2, 2))]))
         motions = full[self.free] @ directions[size <= _HELD].T
-        factor = np.linalg.cholesky(motions.T @ self.mass @ motions)
-        return np.asarray(np.linalg.solve(factor, motions.T).T)
+        if motions.shape[1] == 2:
+            total, moment = full.T @ (self.mass @ full[:, 0])
+            motions = self._translation_and_rotation(0.5 + moment / total)
+        return np.asarray(motions / np.sqrt(np.sum(motions * (self.mass @ motions), axis=0)))
+
+    def _translation_and_rotation(self, centre: float) -> FloatArray:
+        """Translation, and rotation about a centre in beam lengths, of all degrees of freedom, ``(2 nodes, 2)``."""
+        full = np.zeros((2 * self.nodes.size, 2))
+        full[::2, 0] = 1.0
+        full[::2, 1] = self.nodes / self.problem.beam.length - centre
+        full[1::2, 1] = 1.0
+        return full
 
     def rigid_modes(self, state: ContactState) -> int:
         """Number of rigid-body modes, 0 to 2, that supports and closed stops leave."""

@@ -6,14 +6,17 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import cholesky, eigh, solve_triangular
+from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import Beam, FloatArray, Problem, Stop, Support
+from lapjoint.errors import SolverError
+from lapjoint.problem import FloatArray, NoDamping, Problem, Stop
+from lapjoint.problem.structure import Structure, structure_of
 
 _SOFT = 0.1
-"""Largest omega^2 of a soft mode, a rigid-body motion that springs hold, in units of EI / m L^4."""
+"""Largest stiffness against a rigid-body motion that springs hold softly, for a displacement of 1 in root mean square
+along the beam, in units of EI / L^3 with the mean EI."""
 _APART, _MIXED = 1e-6, 1e-3
 """Least relative distance of two omega^2, and largest part of one mode in another, at which first order is enough."""
 _ROUNDS = 4
@@ -23,9 +26,9 @@ _ROUNDS = 4
 def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, FloatArray]:
     """All angular frequencies, rad/s, ascending, ``(n,)``, and mass-normalised modes, kg^-1/2, as columns, ``(n, n)``.
 
-    Rigid-body modes have frequency 0.  Both arrays are read-only.  They depend on the beam, its springs and the mesh
-    alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states whose
-    closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
+    Rigid-body modes have frequency 0.  Both arrays are read-only.  They depend on the beam, its masses, its springs and
+    the mesh alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states
+    whose closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
     """
     return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
 
@@ -42,12 +45,21 @@ def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatA
 
 Springs = tuple[tuple[float, float], ...]
 """Closed stops: the position, m, and the stiffness, N/m, of each, ascending."""
-Mesh = tuple[Beam, tuple[Support, ...], tuple[float, ...]]
-"""A beam, its supports, and the nodes, m."""
+Mesh = tuple[Structure, tuple[float, ...]]
+"""A beam with its supports and masses, without stops and damping; and the nodes, m."""
 
 
 def _mesh(assembly: Assembly) -> Mesh:
-    return assembly.problem.beam, assembly.problem.supports, tuple(assembly.nodes.tolist())
+    problem = assembly.problem
+    joint = structure_of(problem.beam, problem.supports, (), NoDamping(), problem.masses)
+    return joint, tuple(assembly.nodes.tolist())
+
+
+def _assembled(joint: Structure, nodes: tuple[float, ...], springs: Springs = ()) -> Assembly:
+    """A joint on a mesh, with a stop for each spring besides its supports."""
+    stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
+    problem = Problem(beam=joint.beam, supports=joint.supports, masses=joint.masses, stops=stops)
+    return Assembly(problem, np.array(nodes))
 
 
 def _springs(assembly: Assembly, state: ContactState) -> Springs:
@@ -56,42 +68,36 @@ def _springs(assembly: Assembly, state: ContactState) -> Springs:
 
 
 @lru_cache(maxsize=64)
-def _weighted(beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], springs: Springs) -> FloatArray:
-    mass = Assembly(Problem(beam=beam, supports=supports), np.array(nodes)).mass
-    found = np.asarray(mass @ _eigenmodes(beam, supports, nodes, springs)[1])
+def _weighted(joint: Structure, nodes: tuple[float, ...], springs: Springs) -> FloatArray:
+    found = np.asarray(_assembled(joint, nodes).mass @ _eigenmodes(joint, nodes, springs)[1])
     found.flags.writeable = False
     return found
 
 
 @lru_cache(maxsize=128)
-def _transfer(
-    beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], old: Springs, new: Springs
-) -> FloatArray:
-    found = _eigenmodes(beam, supports, nodes, new)[1].T @ _weighted(beam, supports, nodes, old)
+def _transfer(joint: Structure, nodes: tuple[float, ...], old: Springs, new: Springs) -> FloatArray:
+    found = _eigenmodes(joint, nodes, new)[1].T @ _weighted(joint, nodes, old)
     found.flags.writeable = False
     return found
 
 
 @lru_cache(maxsize=64)
-def _eigenmodes(
-    beam: Beam, supports: tuple[Support, ...], nodes: tuple[float, ...], springs: Springs
-) -> tuple[FloatArray, FloatArray]:
+def _eigenmodes(joint: Structure, nodes: tuple[float, ...], springs: Springs) -> tuple[FloatArray, FloatArray]:
     """The modes of a beam with springs (x, k) besides its supports.
 
     Two dense solutions are joined, because each is accurate where the other is not.  The inverted problem M v = mu (K +
-    sigma M) v keeps the digits of the low modes, K v = omega^2 M v keeps the digits of the high modes.  The shift sigma
-    is zero unless the beam can move as a rigid body, or is held by soft springs alone: then `_soft` gives these modes.
-    The basis is orthonormalised, soft modes first, so that a change of state loses nothing, and the frequencies are
-    Rayleigh quotients.  The number of rigid-body modes follows from the supports, not from the size of frequencies.
+    sigma M) v keeps the digits of the low modes, K v = omega^2 M v keeps the digits of the high modes.  Where the beam
+    can move as a rigid body, or is held by soft springs alone, `_soft` gives these modes.  The basis is
+    orthonormalised, soft modes first, so that a change of state loses nothing, and the frequencies are Rayleigh
+    quotients.  The number of rigid-body modes follows from the supports, not from the size of frequencies.
     """
-    stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
-    assembly = Assembly(Problem(beam=beam, supports=supports, stops=stops), np.array(nodes))
-    state = ContactState(tuple(range(len(stops))))
+    assembly = _assembled(joint, nodes, springs)
+    state = ContactState(tuple(range(len(springs))))
     M, (rows, k) = assembly.mass, assembly.springs(state)
     rigid = _softly_held(assembly, rows, k)
     r = rigid.shape[1]
-    joined = _joined(assembly, M, assembly.stiffness(state), bool(r))
-    vectors = _orthonormal(np.concatenate([rigid, joined[:, r:]], axis=1), M)
+    joined = _without(rigid, _joined(assembly, M, assembly.stiffness(state)), M)
+    vectors = _orthonormal(np.concatenate([rigid, joined], axis=1), M)
     vectors = _orthonormal(_unmixed(assembly, rows, k, vectors, r), M)
     square = _rayleigh(assembly, rows, k, vectors)
     if r:
@@ -134,7 +140,20 @@ def _softly_held(assembly: Assembly, rows: FloatArray, k: FloatArray) -> FloatAr
     count = rigid.shape[1]
     held = np.vstack([np.sqrt(k)[:, None] * (rows @ rigid), np.zeros((count, count))])
     _, size, directions = np.linalg.svd(held)
-    return np.asarray(rigid @ directions[size**2 < _SOFT * beam.EI / (beam.m * beam.length**4)].T)
+    motions = rigid @ directions.T
+    root, tip = assembly.shapes(np.array([0.0, beam.length]), 0) @ motions
+    square = (root**2 + root * tip + tip**2) / 3  # mean along the beam
+    return np.asarray(motions[:, size**2 < _SOFT * beam.EI / beam.length**3 * square])
+
+
+def _without(motions: FloatArray, modes: FloatArray, M: FloatArray) -> FloatArray:
+    """Modes without as many of them as there are motions, those most like the motions, as columns.
+
+    A heavy mass may make a bending mode slower than a rigid-body motion on soft springs.
+    """
+    alike = np.sum((motions.T @ M @ modes) ** 2, axis=0) / np.sum(modes * (M @ modes), axis=0)
+    kept = np.argsort(alike, kind="stable")[: alike.size - motions.shape[1]]
+    return modes[:, np.sort(kept)]
 
 
 def _soft(
@@ -153,20 +172,30 @@ def _soft(
         bent = -(coupling @ turn) / (square[r:, None] - found)
         curvature = assembly.curvature @ (bending @ bent)
         forces = np.sqrt(k)[:, None] * (felt[:, :r] @ turn + felt[:, r:] @ bent)
-        _, rotation = eigh(curvature.T @ curvature + forces.T @ forces, turn.T @ turn + bent.T @ bent)
+        factor = cholesky(turn.T @ turn + bent.T @ bent)
+        strained = solve_triangular(factor, np.vstack([curvature, forces]).T, trans="T").T
+        directions = np.linalg.svd(strained)[2][::-1]  # of the strains, not their squares: a softer spring keeps digits
+        rotation = solve_triangular(factor, directions.T)
         turn, bent = turn @ rotation, bent @ rotation
         found = np.sum((curvature @ rotation) ** 2, axis=0) + np.sum((forces @ rotation) ** 2, axis=0)
     return found, rigid @ turn + bending @ bent
 
 
-def _joined(assembly: Assembly, M: FloatArray, K: FloatArray, shifted: bool) -> FloatArray:
-    """Low modes of the inverted problem beside high modes of the direct one, shape ``(n, n)``."""
+def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
+    """Low modes of the inverted problem beside high modes of the direct one, shape ``(n, n)``.
+
+    A mode far slower than the beam's bending would take the digits of the next modes in the inverted problem, so the
+    problem is shifted then: a soft spring or a heavy mass makes such modes.
+    """
     beam = assembly.problem.beam
     unit = beam.EI / (beam.m * beam.length**4)  # 1/s^2
     square, direct = eigh(K, M)
-    sigma = unit if shifted else 0.0
+    sigma = unit if square[0] < unit else 0.0
     c = 1 / np.sqrt(np.diag(K + sigma * M))
-    low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
+    try:
+        low = c[:, None] * eigh(M * np.outer(c, c), (K + sigma * M) * np.outer(c, c))[1][:, ::-1]
+    except LinAlgError:
+        raise _singular(assembly) from None
     middle = np.sqrt(max(square[0] + sigma, unit) * max(square[-1], unit))
     split = int(np.count_nonzero(square < middle))
     return np.concatenate((low[:, :split], direct[:, split:]), axis=1)
@@ -178,3 +207,13 @@ def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
     for _ in range(2):
         V = solve_triangular(cholesky(V.T @ M @ V), V.T, trans="T").T
     return V
+
+
+def _singular(assembly: Assembly) -> SolverError:
+    """What is wrong with a mesh whose stiffness is singular to rounding, and what to change."""
+    h, EI = np.diff(assembly.nodes), [piece.EI for piece in assembly.problem.beam.pieces]
+    return SolverError(
+        f"the stiffness of the mesh is singular to rounding: its elements are {h.min():.3g} to {h.max():.3g} m long, "
+        f"and EI changes by a factor of {max(EI) / min(EI):.3g} along the beam; take fewer elements, or nodes farther "
+        "apart"
+    )

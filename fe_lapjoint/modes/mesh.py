@@ -1,23 +1,29 @@
-"""The mesh: a node at every support, stop and point load, elements of nearly equal length between.
+"""The mesh: a node at every support, stop, mass, step and load, and elements between.
+
+Elements are of nearly equal length along a uniform beam.  A beam with steps bends in shorter waves where it is softer
+or heavier: its elements are shorter there, in proportion to the wave length (EI / m)^(1/4).
 
 An element of length d has modes near 92 sqrt(EI / m) / d^2: a very short one would cost the low modes their digits, and
 the march its speed.  Therefore positions that differ by rounding alone count as one, and a spring, stop or load nearer
 to a node than `CLOSE` gets no node of its own.  It acts inside an element, by the element's cubics, which do not bend
 within a distance this small of a force as the beam does.  A force F at a distance d from the node bends the beam by F
-d^3 / 3 EI less than it should, 3e-13 L^3 / EI at most.  A spring at a distance d stiffens the beam by up to k d^4 / EI
-L, or kt d^2 / EI L where it holds a slope.  A spring whose error could be seen is refused at such a position, and so is
-a fixed support.
+d^3 / 3 EI less than it should, 3e-13 L^3 / EI at most, and a couple C turns it by about C d / EI less.  Frequencies are
+too high by up to kt d / 2 EI of themselves where a torsional spring kt does so, and by k d^3 / 6 EI where a spring k
+acts beside a pin, as the torsional spring k d^2.  A spring whose error could be seen is refused at such a position, and
+so are fixed supports, masses and steps.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray, Problem, Support
+from lapjoint.problem import Beam, FloatArray, Problem
 
 SAME = 1e-12
 """Positions nearer than this, in beam lengths, are one: a few thousand rounding errors, more than a sum accumulates."""
@@ -27,9 +33,8 @@ CLOSE = 1e-4
 Its modes are 6e4 times as fast as those of an element of the default mesh.  The frequencies of the beam still have nine
 digits then; at 1e-5 they had six.
 """
-_LOCKED = 1e-7
-"""Largest stiffness that a spring inside an element may add by mistake, as a fraction of the beam's stiffness; a mesh
-of 40 elements adds more."""
+_LOCKED = 1e-6
+"""Largest relative error of frequencies by a spring inside an element; the third mode of 40 elements has as much."""
 
 SHORT = 1e-3
 """A stretch between two required nodes up to this length, in beam lengths, is not refined: its error, of fourth order,
@@ -39,42 +44,85 @@ is negligible."""
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
     """Node positions of a mesh, m, ascending from 0 to L, about `elements` elements over the whole beam.
 
-    Supports, stops and point loads each get a node, unless there is one nearer than `CLOSE`.  Between two of these
-    nodes there is at least one element.  If nodes are given, the required ones are added to them.  An InputError is
-    raised if a given node lies outside the beam, or if two of them are nearer than `CLOSE`.  It is also raised if a
-    fixed support or a very stiff spring is nearer than `CLOSE` to another part or to an end, without being at the same
-    position.
+    Supports, stops, masses, steps and loads each get a node, unless there is one nearer than `CLOSE`.
+    Between two of these nodes there is at least one element.  If nodes are given, the required ones are added to them.
+    An InputError is raised if a given node lies outside the beam, or if two of them are nearer than `CLOSE`.  It is
+    also raised if a fixed support, a stiff spring, a mass or a step is nearer than `CLOSE` to another part or to an
+    end, without being at the same position.
     """
     L = problem.beam.length
     required = _required(problem)
     if given is not None:
         return _with_given(required, given, L)
-    pieces = [
-        np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(required)
-    ]
+    waves = _waves(problem.beam, (required[:-1] + required[1:]) / 2)
+    pieces = []
+    for (a, b), wave in zip(itertools.pairwise(required), waves.tolist(), strict=True):
+        count = min(round(elements * (b - a) / L * wave), math.floor((b - a) / (CLOSE * L)))
+        pieces.append(np.linspace(a, b, max(1, count) + 1)[:-1])
     return np.concatenate([*pieces, required[-1:]])
 
 
+def _waves(beam: Beam, x: FloatArray) -> FloatArray:
+    """Waves per length at positions, m, ``(k,)``, divided by their mean along the beam; 1 without steps."""
+    steps = _steps(beam)
+    edges = np.array([0.0, *(step for step, _ in steps), beam.length])
+    middle = (edges[:-1] + edges[1:]) / 2
+    density, own = ((beam.inertia_at(at) / beam.EI_at(at)) ** 0.25 for at in (x, middle))
+    return np.asarray(density / (np.diff(edges) @ own) * beam.length if steps else np.ones(x.size))
+
+
+def _steps(beam: Beam) -> list[tuple[float, str]]:
+    """Positions, m, where stiffness or inertia changes, and the fields that state them."""
+    return [
+        (one.end, f"beam.segments[{i}].to")
+        for i, (one, other) in enumerate(itertools.pairwise(beam.pieces))
+        if (one.EI, one.inertia) != (other.EI, other.inertia)
+    ]
+
+
+class _Place(NamedTuple):
+    """A part of a problem that wants a node, and what it resists there; infinite if it must have the node."""
+
+    x: float
+    """Position, m."""
+    name: str
+    """Path of the field that states the position."""
+    k: float = 0.0
+    """Stiffness against displacement, N/m."""
+    kt: float = 0.0
+    """Stiffness against turning, N m."""
+
+
+def _places(problem: Problem) -> Iterator[_Place]:
+    """Steps, supports, stops, masses and loads."""
+    for x, name in _steps(problem.beam):
+        yield _Place(x, name, math.inf)
+    for i, support in enumerate(problem.supports):
+        yield _Place(support.x, f"supports[{i}].x", support.translational, support.torsional)
+    for i, stop in enumerate(problem.stops):
+        yield _Place(stop.x, f"stops[{i}].x", stop.stiffness)
+    for i, mass in enumerate(problem.masses):
+        yield _Place(mass.x, f"masses[{i}].x", math.inf if mass.mass or mass.rotary_inertia else 0.0)
+    for i, load in enumerate(problem.point_loads):
+        yield _Place(load.x, f"point_loads[{i}].x")
+    for i, along in enumerate(problem.uniform_loads):
+        yield _Place(along.start, f"uniform_loads[{i}].from")
+        yield _Place(problem.beam.length if along.to is None else along.to, f"uniform_loads[{i}].to")
+
+
 def _required(problem: Problem) -> FloatArray:
-    """Ends, supports, stops and loads, each position once, none nearer to another than `CLOSE`; ascending, m."""
-    L, EI = problem.beam.length, problem.beam.EI
+    """Ends and places of parts, each position once, none nearer to another than `CLOSE`; ascending, m."""
+    beam = problem.beam
+    L = beam.length
     chosen = {0.0: "the end of the beam", L: "the end of the beam"}
-    springs: list[tuple[float, str, float, float]] = []
-    others: list[tuple[float, str, float, float]] = []
-    for group in ("supports", "stops", "point_loads"):
-        for i, part in enumerate(getattr(problem, group)):
-            k = part.translational if isinstance(part, Support) else getattr(part, "stiffness", 0.0)
-            kt = part.torsional if isinstance(part, Support) else 0.0
-            fixed = math.isinf(k) or math.isinf(kt)
-            (springs if fixed else others).append((part.x, f"{group}[{i}]", k, kt))
-    for x, name, k, kt in [*sorted(springs), *sorted(others)]:
+    for x, name, k, kt in sorted(_places(problem), key=lambda it: (not math.isinf(it.k + it.kt), it.x, it.name)):
         near = min(chosen, key=lambda node: abs(node - x))
         d = abs(near - x)
         if d >= CLOSE * L:
-            chosen[x] = name
-        elif d > SAME * L and max(k * d**4, kt * d**2) > _LOCKED * EI * L:
+            chosen[x] = name.rpartition(".")[0]
+        elif d > SAME * L and kt * d / 2 + k * d**3 / 6 > _LOCKED * float(beam.EI_at(np.array([near, x])).min()):
             raise InputError(
-                f"{name}.x = {x!r}: is held {d:.3g} m from {chosen[near]} at {near!r} m, too near for finite elements; "
+                f"{name} = {x!r}: lies {d:.3g} m from {chosen[near]} at {near!r} m, too near for finite elements; "
                 f"allowed are the same place, or at least {CLOSE * L:g} m"
             )
     return np.array(sorted(chosen))
@@ -105,11 +153,10 @@ def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
 def refined_nodes(problem: Problem, nodes: FloatArray, ratio: float) -> FloatArray:
     """Nodes of a finer mesh with the grading of `nodes`, m, ascending.
 
-    Supports, stops and point loads cut the beam into stretches, whose ends stay.  Each stretch has at least `ratio`
-    times as many elements as before, unless it is shorter than `SHORT`.
+    Supports, stops, masses, steps and loads cut the beam into stretches, whose ends stay.  Each stretch has at least
+    `ratio` times as many elements as before, unless it is shorter than `SHORT`.
     """
-    parts = (*problem.supports, *problem.stops, *problem.point_loads)
-    at = {int(np.abs(nodes - part.x).argmin()) for part in parts}
+    at = {int(np.abs(nodes - place.x).argmin()) for place in _places(problem)}
     pieces = []
     for a, b in itertools.pairwise(sorted({0, *at, nodes.size - 1})):
         short = nodes[b] - nodes[a] < SHORT * nodes[-1]

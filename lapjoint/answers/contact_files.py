@@ -36,10 +36,9 @@ def write_contacts(history: History, path: str | Path) -> None:
     """Write the contacts of a history as CSV or JSON, by the ending of `path`.
 
     The columns are `CONTACT_COLUMNS`; times are in s, impulses in N s (top positive), forces in N, energies lost in
-    damped stops in J.  Errors are empty
-    where none were estimated, and infinite (in JSON null) where none can be stated.  In CSV, a name that a spreadsheet
-    would take for a formula begins with an apostrophe.  The JSON file also holds the problem, the solver, the first and
-    last time, the total impulse of each stop, and how errors were estimated.
+    damped stops in J.  Errors are empty if none were estimated, and infinite (in JSON null) if none can be stated.  In
+    CSV, a name that a spreadsheet would read as a formula gets an apostrophe in front.  The JSON file also holds the
+    problem, the solver, the first and last time, the total impulse of each stop, and how errors were estimated.
     """
     ending = Path(path).suffix.lower()
     if ending == ".csv":

@@ -1,4 +1,4 @@
-"""Contact states: which stops are closed, and the paper's numbering of the nine."""
+"""Contact states: the sets of closed stops, and the paper's numbers of its nine states."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class ContactState:
 
 FREE = ContactState()
 MOST_STATES = 4096
-"""Largest number of contact states that are listed: the number that twelve stops at different positions have."""
+"""Largest number of contact states in a list: twelve stops at different positions have this number."""
 
 
 def contact_states(problem: Problem) -> tuple[ContactState, ...]:
@@ -140,7 +140,7 @@ _PAPER_STATES = {
 
 
 def is_paper_joint(problem: Problem) -> bool:
-    """Whether the stops are laid out as the paper's: one on each side at mid-span and at the tip."""
+    """Whether the stops are those of the paper: one on each side at mid-span and at the tip."""
     L = problem.beam.length
     places = sorted((stop.x, stop.side) for stop in problem.stops)
     return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
@@ -154,7 +154,7 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     problem : Problem
         A problem with the paper's stops.
     state : ContactState
-        One that `contact_states` lists.
+        One of `contact_states`.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     Raises
     ------
     ValueError
-        If the stops are not laid out as the paper's.
+        If the stops are not those of the paper.
     """
     if not is_paper_joint(problem):
         raise ValueError("only the paper's joint, with stops at mid-span and tip, has numbered states")
@@ -175,11 +175,11 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
 
 
 def state_label(problem: Problem, state: ContactState) -> str:
-    """The name of a state, after the paper's number where the state has one: ``6 P2 + P3``."""
+    """The name of a state, after the paper's number if the state has one: ``6 P2 + P3``."""
     number = f"{paper_state_number(problem, state)}  " if is_paper_joint(problem) else ""
     return number + state.name(problem)
 
 
 def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """A key to sort states: the paper's number or the number of closed stops; then the indices of the closed stops."""
+    """A key to sort states: the paper's number, or else the number of closed stops; then the indices of these stops."""
     return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed

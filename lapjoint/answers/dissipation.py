@@ -60,13 +60,9 @@ def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: flo
         sizes.append(times[-1].size)
     t, rates = np.concatenate(times), []
     for part in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
-        d, rate = (_towards(it.sign, history, it.x, part, dt) for dt in (0, 1))
+        within = np.clip(part, history.start, history.end)
+        d, rate = (it.sign * history.seen_by_stops(within, dt)[stop] for dt in (0, 1))
         force = it.stiffness * (d - it.gap) + it.damping * rate
         rates.append((force if it.may_pull else np.maximum(force, 0.0)) * rate)
     power = np.concatenate(weights) * np.concatenate(rates)
     return [float(part.sum()) for part in np.split(power, np.cumsum(sizes)[:-1])]
-
-
-def _towards(sign: int, history: History, x: float, t: FloatArray, dt: int) -> FloatArray:
-    """Displacement at `x`, or its `dt`-th time derivative, towards a stop on the side `sign`, m s^-dt, ``(m,)``."""
-    return np.asarray(sign * history.evaluate(x, np.clip(t, history.start, history.end), dt=dt)[0])

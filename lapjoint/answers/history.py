@@ -12,7 +12,7 @@ from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
 
 NO_ERRORS = "no errors were estimated"
-"""The `History.error_source` of a motion whose errors nobody asked for."""
+"""The `History.error_source` of a motion without estimated errors."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +34,11 @@ class Contact:
     open_end: bool = False
     """Whether the contact is still closed when the history ends."""
     start_error: float | None = None
-    """Estimate of the numerical error of `start`, s; infinite where none can be stated, None where none was made."""
+    """Estimate of the numerical error of `start`, s; infinite if no error can be stated, None if none was estimated."""
     impulse_error: float | None = None
-    """Estimate of the numerical error of `impulse`, N s; infinite or None as `start_error`."""
+    """Estimate of the numerical error of `impulse`, N s; infinite or None, see `start_error`."""
     peak_force_error: float | None = None
-    """Estimate of the numerical error of `peak_force`, N; infinite or None as `start_error`."""
+    """Estimate of the numerical error of `peak_force`, N; infinite or None, see `start_error`."""
     dissipated: float = 0.0
     """Energy that a damped stop takes from the beam and keeps, J: the integral of its force times the rate of its
     penetration.  What its spring stores when the force ends is lost with it; a stop without damping gives all back."""
@@ -55,8 +55,8 @@ class Field(Protocol):
     def __call__(self, x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
         """A derivative of z.
 
-        At a switch the later state is used.  Where a concentrated force makes the third x-derivative jump, the value
-        is the one to the left (to the right at x = 0).
+        At a switch the derivative is that of the later contact state.  Where a concentrated force makes the third
+        x-derivative jump, the value is the limit from the left (from the right at x = 0).
 
         Parameters
         ----------
@@ -76,6 +76,13 @@ class Field(Protocol):
         """
 
 
+def penetration_of(problem: Problem, seen: FloatArray) -> FloatArray:
+    """Penetration of each stop, m, (stops, m), by the displacement that its gap sees, m, (stops, m)."""
+    sign = np.array([stop.sign for stop in problem.stops])[:, None]
+    gap = np.array([stop.gap for stop in problem.stops])[:, None]
+    return np.asarray(sign * seen - gap)
+
+
 @dataclass(frozen=True)
 class History(Shown):
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
@@ -90,7 +97,7 @@ class History(Shown):
     switch_times: FloatArray
     """Times at which the contact state changes, s, ascending, shape ``(switches,)``."""
     states: tuple[ContactState, ...]
-    """The state before the first switch, between each two, and after the last: ``switches + 1`` of them."""
+    """The contact states before, between and after the switches, in order, ``switches + 1`` of them."""
     contacts: tuple[Contact, ...]
     """All contacts, by start time."""
     field: Field
@@ -98,7 +105,7 @@ class History(Shown):
     error_source: str = NO_ERRORS
     """How the errors of the contacts were estimated, or why there are none."""
     highest_mode: float | None = None
-    """Angular frequency of the fastest mode of which the solver made the motion, rad/s; None where it does not say."""
+    """Angular frequency of the fastest mode in the solver's motion, rad/s; None if the solver does not state it."""
 
     def displacement(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """z(x, t), the displacement relative to the base, m, positive upwards.  See `History.evaluate`."""
@@ -157,7 +164,7 @@ class History(Shown):
         return self.problem.beam.EI_at(np.atleast_1d(np.asarray(x, dtype=float)))[:, None]
 
     def evaluate(self, x: FloatArray | float, t: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
-        """Any derivative of z; `Field` says what it is where it jumps.
+        """Any derivative of z; `Field` defines its value where it jumps.
 
         Parameters
         ----------
@@ -200,12 +207,12 @@ class History(Shown):
         Returns
         -------
         ContactState
-            The stops that are closed then.
+            The stops that are closed at this time.
         """
         return self.states[int(np.searchsorted(self.switch_times, t, side="right"))]
 
     def contact_force(self, t: FloatArray | float) -> FloatArray:
-        """Force of each stop on the beam, by the force law from the displacement there.
+        """Force of each stop on the beam, by the force law from the motion at the stop.
 
         Parameters
         ----------
@@ -217,23 +224,72 @@ class History(Shown):
         FloatArray, shape (stops, m)
             Forces, N, positive upwards; zero where a stop is open, and where a damped stop would pull but may not.
         """
-        stops = self.problem.stops
-        t_ = np.atleast_1d(np.asarray(t, dtype=float))
-        if not stops:
-            return np.zeros((0, t_.size))
-        x = np.array([stop.x for stop in stops])
-        z = self.displacement(x, t_)
-        sign = np.array([[stop.sign] for stop in stops])
-        k = np.array([[stop.stiffness] for stop in stops])
-        gap = np.array([[stop.gap] for stop in stops])
-        force: FloatArray = -sign * k * np.maximum(sign * z - gap, 0.0)
-        for i, stop in enumerate(stops):
-            if stop.damping > 0:
-                d, rate = stop.sign * z[i] - stop.gap, stop.sign * self.velocity(stop.x, t_)[0]
-                pressed = stop.stiffness * d + stop.damping * rate
-                acts = (d > 0) & ((pressed > 0) | stop.may_pull)
-                force[i] = np.where(acts, -stop.sign * pressed, 0.0)
+        stops, depth = self.problem.stops, self.penetration(t)
+        sign_and_k = np.array([stop.sign * stop.stiffness for stop in stops])[:, None]
+        force = np.asarray(-sign_and_k * np.maximum(depth, 0.0))
+        damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
+        rate = self.seen_by_stops(t, 1) if damped else depth
+        for k in damped:
+            pressed = stops[k].stiffness * depth[k] + stops[k].damping * stops[k].sign * rate[k]
+            acts = (depth[k] > 0) & ((pressed > 0) | stops[k].may_pull)
+            force[k] = np.where(acts, -stops[k].sign * pressed, 0.0)
         return force
+
+    def penetration(self, t: FloatArray | float) -> FloatArray:
+        """Penetration of each stop: how far the beam is beyond the stop's gap.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            Penetrations, m; where a stop is open, minus the distance to it.
+        """
+        return penetration_of(self.problem, self.seen_by_stops(t))
+
+    def seen_by_stops(self, t: FloatArray | float, dt: int = 0) -> FloatArray:
+        """What the gap of each stop sees: z there, and z + y where the stop is fixed in space.
+
+        Parameters
+        ----------
+        t : float or FloatArray, shape (m,)
+            Times, s, within the history, in any order.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            m s^-dt.
+        """
+        t_ = np.atleast_1d(np.asarray(t, dtype=float))
+        if not self.problem.stops:
+            return np.zeros((0, t_.size))
+        x, row = np.unique([stop.x for stop in self.problem.stops], return_inverse=True)
+        return self.evaluate(x, t_, dt=dt)[row] + self.base_of_stops(t_, dt)
+
+    def base_of_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The motion of the base that the gap of each stop sees: y(t) where the stop is fixed in space, else 0.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s.
+        dt : int
+            Order of the t-derivative, 0 to 2.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            m s^-dt.
+        """
+        in_space = np.array([stop.in_space for stop in self.problem.stops])
+        if not in_space.any():
+            return np.zeros((in_space.size, t.size))
+        return np.outer(in_space, self.base(t, dt))
 
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
         """Impulse of each stop, summed over the contacts that start in ``[start, end)``.
@@ -243,7 +299,7 @@ class History(Shown):
         start : float, optional
             Earliest start of a contact, s; the start of the history if not given.
         end : float, optional
-            Time before which contacts start, s; no contact is left out at the end if not given.
+            Time before which contacts start, s; by default after the last contact.
 
         Returns
         -------

@@ -16,7 +16,7 @@ class ModeShapes(Protocol):
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
         """Mode shapes, or a derivative of them in x.
 
-        Where a spring makes the third derivative jump, the value is the one to the left (to the right at x = 0).
+        Where a spring makes the third derivative jump, the value is the limit from the left (from the right at x = 0).
 
         Parameters
         ----------
@@ -40,4 +40,5 @@ class Modes(Shown):
     angular_frequencies: FloatArray
     """Natural angular frequencies, rad/s, ascending, shape ``(modes,)``; 0 for a rigid-body mode."""
     shapes: ModeShapes
-    """Mode shapes, kg^-1/2; their sign is arbitrary, so compare them with MAC or up to sign."""
+    """Mode shapes, kg^-1/2; their sign is arbitrary, so compare them by MAC (modal assurance criterion) or up to
+    sign."""

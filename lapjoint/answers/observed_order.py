@@ -9,14 +9,14 @@ import numpy as np
 from lapjoint.problem.schema import FloatArray
 
 ROUNDING = 1e-12
-"""Relative error up to which an error counts as rounding, and is left out of the fit: some 5000 units in the last
-place, more than the sums in an answer lose."""
+"""Largest relative error that counts as rounding, and is left out of the fit: some 5000 units in the last place, more
+than the sums in an answer lose."""
 
 
 def fitted_order(resolutions: FloatArray, error: FloatArray, floor: float = ROUNDING) -> float:
     """The order p of error ~ N^-p over resolutions N, both (n,): the slope of the least-squares line of the logarithms.
 
-    Relative errors up to `floor` are left out; the order is NaN where fewer than two are left.
+    Relative errors up to `floor` are left out; with fewer than two others, the order is NaN.
     """
     above = error > floor
     if above.sum() < 2:

@@ -14,7 +14,7 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class Quantity:
-    """A derivative of the displacement, times a constant, with the motion of the base or without."""
+    """A derivative of the displacement, times a constant, with or without the motion of the base."""
 
     name: str
     units: str
@@ -27,7 +27,7 @@ class Quantity:
     """Whether the motion of the base is added."""
 
     def factor(self, problem: Problem, x: FloatArray) -> FloatArray:
-        """What the derivative is multiplied by at places `x`, m, (n,): shape (n, 1), `units` over the derivative's."""
+        """The factor of the derivative at places `x`, m, (n,), in `units` divided by the derivative's: shape (n, 1)."""
         beam = problem.beam
         if self.dx < 2:
             return np.ones((x.size, 1))
@@ -60,7 +60,7 @@ _ALL = (
     ),
 )
 QUANTITIES = {quantity.name: quantity for quantity in _ALL}
-"""The quantities by their names, in the order in which they are listed."""
+"""The quantities by their names, in the order of lists."""
 
 
 def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collection[str]) -> list[str]:

@@ -1,7 +1,7 @@
 """Time series of a motion: chosen quantities at chosen places, at equidistant times, in memory and in files.
 
-The default rate has `PER_PERIOD` samples in a period of the fastest frequency that the answer holds,
-its fastest mode or its fastest force, and at least as many as a record that drives the beam.
+The default rate gives `PER_PERIOD` samples in a period of the fastest frequency in the answer, of its fastest mode or
+its fastest force.  It is at least the rate of a record or a random signal that drives the beam.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,12 +34,12 @@ FORMAT_VERSION = 1
 MOST_VALUES = 10_000_000
 """Largest number of values of all series together, 80 MB."""
 PER_PERIOD = 2.56
-"""Samples in a period of the fastest frequency by default: more than the two that a sine needs, as vibration analysers
-take."""
+"""Default number of samples in a period of the fastest frequency: more than the two that a sine needs; vibration
+analysers use this number."""
 FORCE = "force"
 """The only quantity of stops; all others are quantities of places."""
 _ROUNDING = 1e-9
-"""Distance by which the last sample may lie beyond the end of the motion, in sampling intervals: rounding."""
+"""Largest distance of the last sample beyond the end of the motion that is rounding, in sampling intervals."""
 _FORCE = "N", "force of the stop on the beam, positive upwards"
 QUANTITIES = (*OF_PLACES, FORCE)
 """Names of the quantities."""
@@ -58,23 +59,23 @@ def time_series(
     history : History
         The motion; for a steady state, its ``history``.
     at : sequence of float, optional
-        Positions, m; by default those of the stops and of the ends that no support fixes.
+        Positions, m; by default the stops, and the ends that no support fixes.
     quantities : sequence of str, optional
-        Of `QUANTITIES`; by default the displacement, and the force where there are stops.
+        Names from `QUANTITIES`; by default the displacement and, if there are stops, the force.
     rate : float, optional
-        Samples a second, Hz; by default enough for the fastest frequency that the answer holds.
+        Samples a second, Hz; by default enough for the fastest frequency in the answer.
 
     Returns
     -------
     xarray.Dataset
         A variable for each quantity, over ``x`` and ``time``, and the force over ``stop`` and ``time``, with units; the
-        attributes tell the title, the problem, the solver, the rate, and where the rate is from.
+        attributes are the title, the problem, the solver, the rate, and the reason for the rate.
 
     Raises
     ------
     InputError
-        If a place is off the beam, a quantity is unknown or needs what the problem has not, the rate is not positive,
-        or there would be more than `MOST_VALUES` values.
+        If a place is off the beam, a quantity is unknown, the problem lacks something that a quantity needs, the rate
+        is not positive, or there would be more than `MOST_VALUES` values.
     """
     import xarray as xr
 
@@ -120,7 +121,7 @@ def check_series(
     rate: float | None = None,
     duration: float | None = None,
 ) -> None:
-    """Refuse, before a motion of a duration, s, is marched, arguments that `time_series` would refuse afterwards."""
+    """Refuse arguments that `time_series` would refuse, before the motion of a duration, s, is computed."""
     places, chosen = places_of(problem, at), _chosen(problem, quantities)
     if rate is not None:
         _count(problem, places, chosen, rate, duration or 0.0)
@@ -129,8 +130,8 @@ def check_series(
 def write_series(series: xr.Dataset, path: str | Path) -> None:
     """Write time series as NetCDF or CSV, by the ending of `path`.
 
-    In CSV there is one row a time and one column a series, whose header names quantity, place or stop, and unit; a name
-    that a spreadsheet would take for a formula is made harmless.  Only NetCDF holds the attributes.
+    A CSV file has one row for each time and one column for each series, with quantity, place or stop, and unit in its
+    header.  A name that a spreadsheet would read as a formula is made harmless.  Only NetCDF holds the attributes.
 
     Parameters
     ----------
@@ -142,9 +143,9 @@ def write_series(series: xr.Dataset, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If the ending is another one.
+        If the path has another ending.
     OutputError
-        If no file can be written there, or the disk is full.
+        If the file cannot be written, or the disk is full.
     """
     ending = Path(path).suffix.lower()
     if ending == ".nc":
@@ -177,12 +178,12 @@ def _headings(x: FloatArray) -> list[str]:
 
 
 def written(units: str) -> str:
-    """Units of the CF conventions as people write them: ``m s-2`` as ``m/s2``."""
-    return units.replace(" s-2", "/s2").replace(" s-1", "/s")
+    """Units of the CF conventions in the usual notation: ``m s-2`` as ``m/s2``."""
+    return re.sub(r" ([a-z]+)-(\d)", lambda power: f"/{power[1]}{power[2].replace('1', '')}", units)
 
 
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
-    """The places asked for, or the stops and the ends that no support fixes, m, each once."""
+    """The places `at` or, by default, the stops and the ends that no support fixes, m, each once."""
     if at is None:
         L = problem.beam.length
         fixed = {support.x for support in problem.supports if math.isinf(support.translational)}
@@ -194,7 +195,7 @@ def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
 
 
 def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
-    """The quantities asked for, or the displacement and the force of stops where there are some, each once."""
+    """The given quantities or, by default, the displacement and, if there are stops, the force; each once."""
     if quantities is None:
         return ["displacement", FORCE] if problem.stops else ["displacement"]
     chosen = checked_quantities(problem, quantities, QUANTITIES)
@@ -204,7 +205,7 @@ def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
 
 
 def _default_rate(history: History) -> tuple[float, str]:
-    """The rate, Hz, that is enough for the fastest frequency of the answer, and a phrase that says why."""
+    """The default rate, Hz, and a phrase that gives its reason."""
     if history.highest_mode is None:
         raise InputError(f"rate: {history.solver} does not say how fast its fastest mode is; give a rate, in Hz")
     forces = history.problem.forces

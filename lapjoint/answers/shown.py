@@ -1,6 +1,6 @@
-"""How a notebook shows an answer: by `lapjoint.figures.notebook`, which is loaded when the first answer is shown.
+"""The display of an answer in a notebook, by `lapjoint.figures.notebook`, which is loaded when it is first needed.
 
-Answers import no figures: the name below is the one place where answers refer to what is built on them.
+Answers do not import figures, because figures import answers: the name below is the only reference.
 """
 
 from __future__ import annotations

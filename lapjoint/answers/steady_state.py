@@ -1,4 +1,4 @@
-"""Steady states, with certificates that say how each was established."""
+"""Steady states, and the certificates that say how they were established."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from lapjoint.problem import FloatArray, Problem
 ComplexArray = npt.NDArray[np.complex128]
 
 CERTAIN = 4.0
-"""Number of standard errors by which an exponent must differ from zero: more than two, because the error is itself an
-estimate from few blocks, and because the search looks at several measurements."""
+"""Number of standard errors by which an exponent must differ from zero: more than two, because the error is an estimate
+from few blocks, and because the search makes several measurements."""
 LEAST_GROWTH = 10.0
-"""Least growth of a deviation, in factors of e, over a measurement that shows chaos, and least shrinkage that shows a
-stable motion: on a torus a deviation grows and shrinks by less, however long it is followed."""
+"""Least growth of a deviation that shows chaos, and least decay that shows a stable motion, over a measurement, as
+powers of e: on a torus a deviation grows and shrinks by less, over any time."""
 _CHATTER = 4
-"""Least number of contacts in a period of a stop that chatters: three flights have contacts before, between and
-after."""
+"""Least number of contacts in a period of a stop that chatters: three flights, and the contacts before, between and
+after them."""
 ALIKE = 0.1
-"""Relative difference up to which the exponents of both halves agree, even if the growth hardly scatters."""
+"""Relative difference up to which the exponents of both halves agree, even if their standard errors are smaller."""
 SMALL = 0.1
 """Largest exponent that counts as zero, divided by the lowest decay rate of free vibration: nearby motions would take
 ten times as long to part as free vibration takes to decay."""
@@ -55,22 +55,22 @@ class SectionPoint:
 
     state: ContactState
     coordinates: FloatArray
-    """The solver's own coordinates and rates, shape ``(2, n)``, which only the kind of solver that wrote them reads."""
+    """Coordinates and their rates, shape ``(2, n)``, which only a solver of the kind that made them can read."""
     nodes: FloatArray | None = None
-    """Positions that nodal coordinates belong to, m, shape ``(nodes,)``; None where coordinates are modal."""
+    """Positions of nodal coordinates, m, shape ``(nodes,)``; None for modal coordinates."""
 
 
 @dataclass(frozen=True)
 class Exponent:
     """The largest Lyapunov exponent of a motion: the rate at which nearby motions part.
 
-    An exponent is called positive, negative or zero only where that is certain, and at most one of the three holds.  A
-    positive or negative exponent must be so in each half of the measurement, which excludes a transient that dies away.
-    An exponent is zero only if every quarter of the measurement finds it within a narrow interval about zero.
+    An exponent counts as positive, negative or zero only if this is certain, and at most one of the three is certain.
+    A positive or negative exponent has this sign in each half of the measurement, which excludes a transient that
+    decays.  An exponent is zero only if it lies in a narrow interval about zero in every quarter of the measurement.
     """
 
     value: float
-    """Mean rate of growth, 1/s; positive: chaos."""
+    """Mean rate of growth, 1/s; a positive one means chaos."""
     standard_error: float
     """Standard error of the mean, 1/s, with the correlation of the growth from period to period."""
     periods: int
@@ -85,7 +85,8 @@ class Exponent:
 
     @property
     def positive(self) -> bool:
-        """Whether it is certainly above zero: by `CERTAIN` errors in each half, and over `LEAST_GROWTH` e-folds."""
+        """Whether the exponent is certainly positive: by `CERTAIN` errors in each half, and with growth by
+        e^`LEAST_GROWTH`."""
         return min(self.halves) > self._margin and self._steady and self.value * self.time > LEAST_GROWTH
 
     @property
@@ -99,8 +100,8 @@ class Exponent:
         Parameters
         ----------
         rate : float
-            Lowest rate at which free vibration decays by damping, 1/s.  Where it is zero or infinite, nothing is
-            damped, and no exponent counts as zero.
+            Lowest decay rate of free vibration, 1/s.  If it is zero or infinite, nothing is damped, and no exponent
+            counts as zero.
         """
         if self.positive or self.negative or not 0 < rate < math.inf:
             return False
@@ -108,27 +109,27 @@ class Exponent:
 
     @property
     def _margin(self) -> float:
-        """Bound of the error, 1/s."""
+        """Bound on the error of an exponent, 1/s."""
         return CERTAIN * self.standard_error
 
     @property
     def _steady(self) -> bool:
-        """Whether the halves agree: the standard error of their difference is twice that of the mean."""
+        """Whether both halves agree: their difference has twice the standard error of the mean."""
         return abs(self.halves[1] - self.halves[0]) <= max(3 * 2 * self.standard_error, ALIKE * abs(self.value))
 
 
 @dataclass(frozen=True)
 class Acceptance:
-    """Where and when a motion was accepted as the steady state: anyone can march on from there."""
+    """Where and when in the march a motion was accepted as the steady state, so that anyone can continue the march."""
 
     point: SectionPoint
     """The section point of the march at which the motion was accepted."""
     periods: int
     """Excitation periods marched until then."""
     pushes: int = 0
-    """How often the march was pushed off an unstable motion that it would not have left by itself."""
+    """Number of times that the march was pushed off an unstable motion, which it would not have left by itself."""
     growth: float | None = None
-    """Largest factor by which a deviation grew from any period to any later one; None where it was not measured."""
+    """Largest factor by which a deviation grew from any section point to any later one; None if it was not measured."""
 
     @property
     def sensitive(self) -> bool | None:
@@ -145,9 +146,9 @@ class Comparison:
     history: History
     """The finer motion over one period."""
     bounds: Callable[[FloatArray, float, int, int], FloatArray]
-    """Error bounds from differences, as `lapjoint.orbits.refinement.Refinement.bounds` gives them."""
+    """Error bounds from differences: `lapjoint.orbits.refinement.Refinement.bounds`."""
     floor: float
-    """Error that a refinement does not reveal, divided by the largest value."""
+    """Error that refinement does not reveal, divided by the largest value."""
 
 
 @dataclass(frozen=True)
@@ -161,11 +162,12 @@ class SteadyState(Shown):
     period_multiple: int
     """Number of excitation periods after which the motion repeats; 0 if it was not found to repeat."""
     symmetric: bool
-    """Whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)."""
+    """Whether the second half of the motion's period mirrors the first, z(x, t + T/2) = -z(x, t)."""
     residual: float
     """Distance between the start and the end of the motion's period, divided by the size of the motion."""
     multipliers: ComplexArray = field(repr=False)
-    """Floquet multipliers over the motion's period, largest modulus first, ``(m,)``; empty if it does not repeat."""
+    """Floquet multipliers over the motion's period, largest modulus first, ``(m,)``; empty if the motion does not
+    repeat."""
     exponent: Exponent | None
     """The largest Lyapunov exponent, measured if the motion was not found to repeat; else None."""
     section_point: SectionPoint = field(repr=False)
@@ -175,23 +177,23 @@ class SteadyState(Shown):
     impulses: FloatArray = field(default_factory=lambda: np.zeros(0))
     """Impulse of each stop over one excitation period (the mean over the motion's period), N s, ``(stops,)``."""
     acceptance: Acceptance | None = None
-    """Where and when the search accepted this motion; None where nothing was searched."""
+    """Where and when the search accepted this motion; None if there was no search."""
     impulse_errors: FloatArray | None = None
-    """Estimate of the numerical error of each impulse, N s, ``(stops,)``; infinite where none can be stated, None where
-    none was made.  Where the motion does not repeat, the standard error of the mean."""
+    """Estimate of the numerical error of each impulse, N s, ``(stops,)``; infinite if no error can be stated, None if
+    none was estimated.  For a motion that does not repeat, the standard error of the mean."""
     error_source: str = NO_ERRORS
     """How the errors were estimated, or why there are none."""
     comparison: Comparison | None = field(default=None, repr=False, compare=False)
-    """The finer motion from which errors follow; None where no error can be stated, or none was asked for."""
+    """The finer motion from which errors follow; None if no error can be stated, or none was requested."""
     march_on: Callable[[int], History] | None = field(default=None, repr=False, compare=False)
-    """Marches a motion that does not repeat on from `section_point` over some excitation periods; not pickled."""
+    """Continues a motion that does not repeat, from `section_point` over some excitation periods; not pickled."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "march_on": None}
 
     @property
     def stable(self) -> bool | None:
-        """Whether all Floquet multipliers lie within the unit circle; None where no orbit was certified."""
+        """Whether all Floquet multipliers lie within the unit circle; None if no orbit was certified."""
         if not self.multipliers.size:
             return None
         return bool(np.abs(self.multipliers).max() < 1.0)
@@ -209,8 +211,8 @@ def periodic_outcome(history: History) -> Outcome:
 def chatters(history: History, stop: int) -> bool:
     """Whether a stop chatters in a period: three or more flights, each shorter than the last, then a long contact.
 
-    The contact that ends the chatter must last longer than the contact and the flight before it: the beam bounces, and
-    then leans on the stop.
+    The last contact must last longer than the contact and the flight before it: the beam bounces, and then remains
+    pressed on the stop.
     """
     mine = [contact for contact in history.contacts if contact.stop == stop]
     if mine and mine[0].open_start and mine[-1].open_end:  # one contact, cut in two by the section point

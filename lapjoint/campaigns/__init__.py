@@ -6,29 +6,8 @@ many starts end, and statistics of long motions.
 >>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
 """
 
-from lapjoint.campaigns.basins.running import basins, solve_basins
-from lapjoint.campaigns.basins.spec import BasinPlan
-from lapjoint.campaigns.branches.running import branch
-from lapjoint.campaigns.confirm.running import confirm
-from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
-from lapjoint.campaigns.running import stored
-from lapjoint.campaigns.statistics.running import statistics
-from lapjoint.campaigns.sweep.running import run, solve, sweep
-from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.campaigns.grid import FREQUENCY, Axis
+from lapjoint.campaigns.public import basins, branch, confirm, statistics, sweep
+from lapjoint.campaigns.running import Running
 
-__all__ = [
-    "FREQUENCY",
-    "Axis",
-    "BasinPlan",
-    "Grid",
-    "Plan",
-    "basins",
-    "branch",
-    "confirm",
-    "run",
-    "solve",
-    "solve_basins",
-    "statistics",
-    "stored",
-    "sweep",
-]
+__all__ = ["FREQUENCY", "Axis", "Running", "basins", "branch", "confirm", "statistics", "sweep"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import queue
 import time
@@ -11,9 +10,9 @@ from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Any, TypeVar
 
-from lapjoint.campaigns.batch import Batch, Solved, solve_batch
-from lapjoint.campaigns.job import CellSolver
-from lapjoint.campaigns.workers import Deliver, given_up
+from lapjoint.campaigns.batch import Solved, given_up, solve_batch
+from lapjoint.campaigns.job import Batch, Job
+from lapjoint.campaigns.workers import Deliver
 from lapjoint.errors import InputError, SolverError
 
 REACHED = 15.0
@@ -27,7 +26,7 @@ LOOK = 5.0
 T = TypeVar("T")
 
 
-def work_on_cluster(job: CellSolver, batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
+def work_on_cluster(job: Job[Any, Any], batches: Iterable[Batch], scheduler: str, deliver: Deliver) -> None:
     """Solve all batches on the workers of the dask scheduler at an address, as ``tcp://host:8786``.
 
     Dask sends a batch whose worker died to another worker, a few times.  If all of them die, the batch is sent again
@@ -78,6 +77,8 @@ def connected(scheduler: str) -> Any:
     InputError is raised if dask.distributed is not installed, the scheduler does not answer within `REACHED`, or it has
     no worker within `PATIENCE`.
     """
+    import asyncio  # slow, and needed here alone
+
     try:
         from distributed import Client
     except ImportError:
@@ -107,7 +108,7 @@ async def _answer(scheduler: str) -> None:
     comm.abort()
 
 
-def _work(client: Any, job: CellSolver, batches: Iterable[Batch], deliver: Deliver) -> None:
+def _work(client: Any, job: Job[Any, Any], batches: Iterable[Batch], deliver: Deliver) -> None:
     from distributed import KilledWorker
 
     submitted: dict[Any, tuple[Batch, bool]] = {}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral
 from pathlib import Path
@@ -54,16 +54,38 @@ class Column:
     """Description of the variable, its ``long_name``."""
     more: Mapping[str, Any] = field(default_factory=dict)
     """Further attributes."""
+    value: Callable[[Any], Any] | None = None
+    """Gives the value in a row of a table; by default, the value is the attribute of the row that has this name."""
+    of_stops: bool = False
+    """Whether there is a value for each stop."""
+    text_first: bool = False
+    """Whether files have the description before the unit."""
 
     @property
     def attributes(self) -> dict[str, Any]:
         """The attributes."""
-        return ({"units": self.units} if self.units else {}) | {"long_name": self.text, **self.more}
+        units, text = {"units": self.units} if self.units else {}, {"long_name": self.text}
+        return {**(text | units if self.text_first else units | text), **self.more}
+
+    def values(self, rows: Iterable[Any]) -> list[Any]:
+        """The values in the rows of a table."""
+        return [getattr(row, self.name) if self.value is None else self.value(row) for row in rows]
 
     def of(self, dimensions: tuple[str, ...], values: Any, shape: tuple[int, ...] | None = None) -> Variable:
         """The variable with these dimensions and values; the values are reshaped to `shape`, if it is given."""
         array = np.array(values, dtype=self.kind)
         return dimensions, array if shape is None else array.reshape(shape), self.attributes
+
+
+def tabulated(
+    dimension: str, columns: Iterable[Column], rows: Sequence[Any], stops: int = 0, prefix: str = ""
+) -> dict[str, Variable]:
+    """The variables of the rows of a table, which lie along a dimension; their names begin with `prefix`."""
+    found = {}
+    for column in columns:
+        more, shape = (("stop",), (len(rows), stops)) if column.of_stops else ((), None)
+        found[prefix + column.name] = column.of((dimension, *more), column.values(rows), shape)
+    return found
 
 
 def flags(names: Iterable[str], values: Iterable[int] | None = None) -> dict[str, Any]:
@@ -75,6 +97,19 @@ def flags(names: Iterable[str], values: Iterable[int] | None = None) -> dict[str
 
 OUTCOME_FLAGS = flags((name.lower() for name in OUTCOME_CODES), OUTCOME_CODES.values())
 """Attributes of a variable of outcomes."""
+
+
+YES_NO = flags(("no", "yes"))
+"""Attributes of a variable that is 1 where something is so."""
+RESIDUAL = Column("residual", "f8", "1", "distance between start and end of the motion, relative to its size")
+IMPULSE = Column(
+    "impulse",
+    "f8",
+    "N s",
+    "impulse of the stop over one excitation period; positive at the top, negative at the bottom",
+    value=lambda motion: motion.impulses,
+    of_stops=True,
+)
 
 
 def axis_coordinate(axis: Axis, text: str | None = None) -> Variable:

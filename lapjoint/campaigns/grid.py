@@ -37,6 +37,8 @@ is validated at its corners."""
 
 UNITS = {
     "x": "m",
+    "from": "m",
+    "to": "m",
     "gap": "m",
     "length": "m",
     "breadth": "m",
@@ -50,6 +52,10 @@ UNITS = {
     "torsional": "N m rad-1",
     "bending_stiffness": "N m2",
     "mass_per_length": "kg m-1",
+    "contents_per_length": "kg m-1",
+    "added_mass_per_length": "kg m-1",
+    "mass": "kg",
+    "rotary_inertia": "kg m2",
     "youngs_modulus": "Pa",
     "density": "kg m-3",
     "ratio": "1",
@@ -58,6 +64,8 @@ UNITS = {
     "phase": "rad",
     "rate": "Hz",
     "force": "N",
+    "force_per_length": "N m-1",
+    "acceleration": "m s-2",
 }
 """Units of the fields of a problem, by the last key of their path."""
 
@@ -120,19 +128,9 @@ class Axis:
 
 @dataclass(frozen=True)
 class Grid:
-    """A problem, and the axes along which it is changed.
+    """A problem, and the axes along which it is changed; the last one is the fastest.
 
-    Parameters
-    ----------
-    problem : Problem
-        The problem that has all that the axes do not change.
-    axes : tuple of Axis
-        The axes; the last one is the fastest.
-
-    Raises
-    ------
-    InputError
-        If there is no axis, two are the same, or the grid is too large.
+    InputError is raised if there is no axis, two are the same, or the grid is too large.
     """
 
     problem: Problem
@@ -159,74 +157,21 @@ class Grid:
         return math.prod(self.shape)
 
     def values_at(self, point: int) -> tuple[float, ...]:
-        """The value of each axis at a point, in the units of the axes.
-
-        Parameters
-        ----------
-        point : int
-            Number of the point.
-
-        Returns
-        -------
-        tuple of float
-            The values.
-        """
+        """The value of each axis at a point, by its number, in the units of the axes."""
         places = np.unravel_index(point, self.shape)
         return tuple(axis.values[int(i)] for axis, i in zip(self.axes, places, strict=True))
 
     def describe(self, point: int) -> str:
-        """A text for messages that names a point: ``stops.*.gap = 0.001, damping.ratio = 0.08``.
-
-        Parameters
-        ----------
-        point : int
-            Number of the point.
-
-        Returns
-        -------
-        str
-            The text.
-        """
+        """A text for messages that names a point: ``stops.*.gap = 0.001, damping.ratio = 0.08``."""
         return _described(self.axes, self.values_at(point))
 
     def problem_at(self, point: int) -> Problem:
-        """The problem at a point.
-
-        Parameters
-        ----------
-        point : int
-            Number of the point.
-
-        Returns
-        -------
-        Problem
-            The problem with the values of the axes at this point.
-
-        Raises
-        ------
-        InputError
-            If there is no valid problem there; the message names the point.
-        """
+        """The problem at a point; InputError, which names the point, if there is no valid problem there."""
         return self.with_values(self.values_at(point))
 
     def with_values(self, values: tuple[float, ...]) -> Problem:
-        """The problem with any values of the axes, those of the grid or others.
-
-        Parameters
-        ----------
-        values : tuple of float
-            The values, in the units of their axes.
-
-        Returns
-        -------
-        Problem
-            The problem.
-
-        Raises
-        ------
-        InputError
-            If there is no such problem; the message names the values.
-        """
+        """The problem with any values of the axes, in their units, those of the grid or others; InputError, which names
+        the values, if there is no such problem."""
         if self._base_fields:
             with suppress(InputError):
                 return self.problem.with_base_numbers(**dict(zip(self._base_fields, values, strict=True)))
@@ -304,10 +249,7 @@ class Grid:
     def check(self) -> None:
         """Validate the problems of the grid, or those at its corners where it is large.
 
-        Raises
-        ------
-        InputError
-            If one is not valid, or its excitation has no period; the message names the point.
+        InputError, which names the point, is raised if one is not valid, or its excitation has no period.
         """
         ends = [sorted({0, n - 1}) for n in self.shape]
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]

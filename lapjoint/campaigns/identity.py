@@ -49,3 +49,8 @@ def check_integer(name: str, value: object, low: int, high: int) -> None:
     """Raise InputError, which names the value by `name`, unless it is an integer from `low` to `high`."""
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InputError(f"{name} = {value!r}: must be an integer from {low} to {high}")
+
+
+def check_seed(seed: object) -> None:
+    """Raise InputError unless a seed is an integer that is not negative, of at most 63 bits."""
+    check_integer("seed", seed, 0, 2**63 - 1)

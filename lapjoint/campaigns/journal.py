@@ -14,7 +14,6 @@ import os
 import re
 import secrets
 import warnings
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import cached_property
@@ -24,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from lapjoint.campaigns.dataset import FORMAT_VERSION, refusal
-from lapjoint.campaigns.job import Answer, Job, Spec
+from lapjoint.campaigns.job import Answers, Job, Spec
 from lapjoint.campaigns.point import PlainSection
 from lapjoint.errors import DamageWarning, InputError, Interrupted, OutputError, SolverError
 from lapjoint.files.writing import unwritable
@@ -40,15 +39,18 @@ def journal_path(out: str | Path) -> Path:
     return Path(f"{out}.journal")
 
 
-class Journal(ABC):
-    """The locked journal beside the file `out`; with `force`, the journal of other work is thrown away.
+class Journal(Answers):
+    """The answers of a job, and the locked journal beside the file `out`, which keeps them; with `force`, the journal
+    of other work is thrown away.
 
     InputError is raised if another process has the journal, or it belongs to other work; OutputError, if it cannot be
     written.  DamageWarning tells of damaged lines, which are dropped.
     """
 
-    def __init__(self, spec: Spec, out: str | Path, *, force: bool = False) -> None:
-        self.spec = spec
+    def __init__(self, job: Job[Any, Any], out: str | Path, *, force: bool = False) -> None:
+        super().__init__()
+        self._job = job
+        self.spec: Spec = job.spec
         self.path = journal_path(out)
         self._file = _open_locked(self.path)
         try:
@@ -57,29 +59,18 @@ class Journal(ABC):
             self._file.close()
             raise
 
-    def _keep(self, line: dict[str, Any]) -> None:
-        """Write a line, and take its content into memory."""
-        self._write(_sealed(line, self._owner))
-        self._take(line)
+    def append(self, points: Mapping[Any, Any], section: PlainSection | None = None) -> None:
+        """Write answers, and the section point at which a chain continues after them: they are on the disk when this
+        returns.
 
-    @abstractmethod
-    def _take(self, line: dict[str, Any]) -> None:
-        """Take the content of a line into memory."""
-
-    @abstractmethod
-    def _holds_nothing(self) -> bool: ...
-
-    @abstractmethod
-    def _done(self) -> str:
-        """What the journal holds, as the subject of a sentence with its verb."""
-
-    @abstractmethod
-    def _nothing_done(self) -> str:
-        """A sentence for a journal that holds nothing."""
+        OutputError is raised if they cannot be written; the lines written before are still good.
+        """
+        self._write(_sealed(self._job.line(points, section), self._owner))
+        super().append(points, section)
 
     def close(self) -> None:
         """Release the journal to other processes; an empty one is removed."""
-        if self._holds_nothing() and not self._file.closed:
+        if not self.points and not self._file.closed:
             self.path.unlink(missing_ok=True)
         self._file.close()
 
@@ -107,16 +98,16 @@ class Journal(ABC):
     def kept(self) -> str:
         """A message for work that stops here; it is made from the file, because an interrupt can come at any moment."""
         self._load(force=False)
-        if self._holds_nothing():
-            return self._nothing_done()
-        return f"{self._done()} kept in {self.path}; the same command resumes"
+        if not self.points:
+            return self.spec.nothing_kept
+        return f"{self.spec.kept(len(self.points))} kept in {self.path}; the same command resumes"
 
     def _read(self, force: bool) -> None:
         """Take the content of the file into memory, and leave only whole lines in the file."""
         whole, damaged = self._load(force)
         if damaged:
             what = "1 line is damaged and dropped" if damaged == 1 else f"{damaged} lines are damaged and dropped"
-            kept = f"{self._done()} whole, and the others are computed again"
+            kept = f"{self.spec.kept(len(self.points))} whole, and the others are computed again"
             warnings.warn(f"{self.path}: {what}; {kept}", DamageWarning, stacklevel=2)
         if not self._file.seek(0, os.SEEK_END):
             self._write(self._header)
@@ -169,7 +160,7 @@ class Journal(ABC):
         """Whether a later line is whole; if so, its content is taken into memory."""
         line = _opened(raw, self._owner)
         if line is not None:
-            self._take(line)
+            super().append(*self._job.from_line(line))
         return line is not None
 
     def _write(self, line: bytes) -> None:
@@ -200,43 +191,6 @@ class Journal(ABC):
             raise unwritable(self.path, error) from None
         self._file.close()
         self._file = file
-
-
-class CellJournal(Journal):
-    """The journal of a job, and the answers of cells that it holds."""
-
-    def __init__(self, job: Job[Any, Any], out: str | Path, *, force: bool = False) -> None:
-        self.points: dict[int, Any] = {}
-        """Answers by the numbers of their cells."""
-        self.sections: dict[int, PlainSection | None] = {}
-        """Section point from which a chain goes on, by the last cell of each batch; None where there is no chain."""
-        self._point = job.point
-        super().__init__(job.spec, out, force=force)
-
-    def append(self, points: Mapping[int, Answer], section: PlainSection | None = None) -> None:
-        """Write answers, and the section point at which a chain continues after them: they are on the disk when this
-        returns.
-
-        OutputError is raised if they cannot be written; the lines written before are still good.
-        """
-        line: dict[str, Any] = {"cells": list(points), "points": [vars(point) for point in points.values()]}
-        if section is not None:
-            line["section"] = section
-        self._keep(line)
-
-    def _take(self, line: dict[str, Any]) -> None:
-        cells = line["cells"]
-        self.points.update({cell: self._point(fields) for cell, fields in zip(cells, line["points"], strict=True)})
-        self.sections[cells[-1]] = line.get("section")
-
-    def _holds_nothing(self) -> bool:
-        return not self.points
-
-    def _done(self) -> str:
-        return f"{len(self.points)} of {self.spec.size} {self.spec.cells_noun} are"
-
-    def _nothing_done(self) -> str:
-        return f"none of {self.spec.size} {self.spec.cells_noun} was done"
 
 
 def _write_all(file: FileIO, content: bytes) -> None:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, NotRequired, TypedDict
+from typing import Any, NamedTuple, NotRequired, TypedDict
 
 import numpy as np
 
@@ -118,6 +118,11 @@ def point_of(found: SteadyState, summary: Sequence[str] = ()) -> Point:
         summary=_summary_of(found, summary) if summary else {},
         impulse_errors=() if found.impulse_errors is None else tuple(map(float, found.impulse_errors)),
     )
+
+
+def point_from(fields: Mapping[str, Any]) -> Point:
+    """A point from its attributes, as a journal holds them."""
+    return Point(**{**fields, "contacts": tuple(PlainContact(*one) for one in fields.get("contacts", ()))})
 
 
 def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[float]]:

@@ -8,14 +8,14 @@ from __future__ import annotations
 import os
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from concurrent.futures import Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from typing import Any
 
-from lapjoint.campaigns.batch import BATCH_SECONDS, Batch, Solved, solve_batch
-from lapjoint.campaigns.job import CellSolver
+from lapjoint.campaigns.batch import BATCH_SECONDS, Solved, given_up, solve_batch
+from lapjoint.campaigns.job import Batch, Job
 from lapjoint.errors import InputError
 from lapjoint.machine.processes import LOOK, StandingPool, first_finished, interrupts_held
 from lapjoint.solver import Progress
@@ -41,7 +41,7 @@ def check_workers(workers: Workers) -> Workers:
     return len(os.sched_getaffinity(0)) if workers == -1 else workers
 
 
-def work_here(job: CellSolver, batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
+def work_here(job: Job[Any, Any], batches: Iterable[Batch], deliver: Deliver, progress: Progress | None = None) -> None:
     """Solve all batches in this process, one after the other; `progress` is called as in `solve_batch`."""
     waiting = deque(batches)
     while waiting:
@@ -51,7 +51,7 @@ def work_here(job: CellSolver, batches: Iterable[Batch], deliver: Deliver, progr
         waiting.extend(deliver(solved))
 
 
-def work_mapped(job: CellSolver, batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
+def work_mapped(job: Job[Any, Any], batches: Iterable[Batch], mapper: Mapper, deliver: Deliver) -> None:
     """Solve all batches by a function like `map`, in rounds: the rest of an unfinished batch is in the next round."""
     left = list(batches)
     while left:
@@ -62,12 +62,7 @@ def work_mapped(job: CellSolver, batches: Iterable[Batch], mapper: Mapper, deliv
                 left.append(solved.left)
 
 
-def given_up(job: CellSolver, batch: Batch, reason: str) -> Solved:
-    """The first cell of a batch without an answer, with the reason as its message, and the rest of the batch."""
-    return Solved({batch.cells[0]: job.point({"message": reason})}, batch.section, batch.after(1, batch.section))
-
-
-def work_in_processes(job: CellSolver, batches: Iterable[Batch], pool: StandingPool, deliver: Deliver) -> None:
+def work_in_processes(job: Job[Any, Any], batches: Iterable[Batch], pool: StandingPool, deliver: Deliver) -> None:
     """Solve all batches in a pool of processes, which stand idle afterwards; the work goes on when processes die.
 
     SolverError is raised if the processes do not start.
@@ -89,14 +84,14 @@ class _PoolWork:
     for twice this time for each suspected batch.  Afterwards the rest of a batch waits with the others again.
     """
 
-    def __init__(self, job: CellSolver, waiting: deque[Batch], pool: StandingPool, deliver: Deliver) -> None:
+    def __init__(self, job: Job[Any, Any], waiting: deque[Batch], pool: StandingPool, deliver: Deliver) -> None:
         self._job, self._waiting, self._deliver, self._pool = job, waiting, deliver, pool
         self._suspected: deque[Batch] = deque()
         self._suspicion_ends = 0.0
         """Time of the monotonic clock, s."""
         self._submitted: dict[Future[Solved], Batch] = {}
-        self._deaths: Counter[int] = Counter()
-        """Number of deaths, by the first cell of the batch."""
+        self._deaths: Counter[Hashable] = Counter()
+        """Number of deaths, by the key of the first cell of the batch."""
 
     def work(self) -> None:
         """Go on until all batches are done."""
@@ -167,11 +162,10 @@ class _PoolWork:
         self._suspicion_ends = time.monotonic() + len(lost) * 2 * BATCH_SECONDS
         self._pool.end()
         for batch in lost:
-            cell = batch.cells[0]
+            cell = self._job.key(batch.cells[0])
             self._deaths[cell] += 1
             if len(lost) == 1 and self._deaths[cell] >= MOST_DEATHS:
-                self._take(
-                    batch, given_up(self._job, batch, f"the process that solved it died {self._deaths[cell]} times")
-                )
+                reason = f"the process that solved it died {self._deaths[cell]} times"
+                self._take(batch, given_up(self._job, batch, reason))
             else:
                 self._suspected.append(batch)

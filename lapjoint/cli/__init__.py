@@ -1,1 +1,1 @@
-"""The command line: its commands, what they share, and how answers are printed."""
+"""The command line: commands, their common options, and the printing of answers."""

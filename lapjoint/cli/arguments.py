@@ -24,7 +24,7 @@ from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver
 
 MOST_STOPS = 100
-"""Largest number of stops without --large: more take minutes."""
+"""Largest number of stops without --large: a problem with more stops takes minutes."""
 STOPS_NAMED = 20
 """Largest number of stops that a message names."""
 
@@ -54,13 +54,13 @@ def problem_from(source: str, overrides: tuple[str, ...] = ()) -> Problem:
 
 
 def named_solver(text: str) -> Solver:
-    """A solver as one option names it: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
+    """The solver that a text names: NAME, or NAME:KEY=VALUE,KEY=VALUE with its numerical options."""
     name, colon, options = text.partition(":")
     return SolverChoice(name, options=tuple(options.split(",")) if colon else ()).make()
 
 
 def other_name(text: str, taken: Collection[str]) -> str:
-    """A short name for the solver that `text` names, different from those taken."""
+    """A short name for the solver that `text` names, different from the names already `taken`."""
     name = text.partition(":")[0]
     return name if name not in taken else f"{name}-2"
 
@@ -80,7 +80,8 @@ def axes_from(
 
 
 def frequencies(first: float, last: float, step: float, hz: bool = False) -> tuple[float, ...]:
-    """Angular frequencies from `first` to `last`, both included where the step allows; given in rad/s or in Hz."""
+    """Angular frequencies, rad/s, from `first` to at most `last` in steps of `step`, all given in rad/s or, with `hz`,
+    in Hz."""
     unit, radians = ("Hz", 2 * math.pi) if hz else ("rad/s", 1.0)
     for option, value in (("--from", first), ("--to", last), ("--step", step)):
         if not 0 < value < float("inf"):
@@ -113,7 +114,8 @@ def axis_from(text: str, option: str = "--over") -> Axis:
 
 
 def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
-    """The contact states asked for: ``all``, a paper's number, or names of closed stops joined by ``+``."""
+    """The contact states of a text: ``all``, ``free``, a number of the paper's, or names of closed stops joined by
+    ``+``."""
     if text == "all":
         return contact_states(problem)
     readings = [()] if text == "free" else _closed_stops(text, problem.stop_names)
@@ -136,9 +138,10 @@ def states_from(problem: Problem, text: str) -> tuple[ContactState, ...]:
 
 
 def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
-    """Up to two readings of a text as names of stops joined by ``+``, which names may contain, too; as indices.
+    """Up to two readings of a text as names of stops joined by ``+``, as indices of stops.
 
-    A name in quotes is that of one stop.  Different spellings of one set of stops are one reading.
+    A name may itself contain ``+``; a name in quotes is the name of one stop.  Different spellings of one set of stops
+    are one reading.
     """
     number = dict(zip((name.strip() for name in names), range(len(names)), strict=True))
     longest = 1 + max((name.count("+") for name in names), default=0)
@@ -154,7 +157,7 @@ def _closed_stops(text: str, names: Sequence[str]) -> list[tuple[int, ...]]:
 
 
 def times_from(frames: int | None, times: str | None) -> list[float] | None:
-    """The times of ``--times``, s, where they are given and ``--frames`` is not."""
+    """The times of ``--times``, s; None without ``--times``.  Both options together are refused."""
     if times is None:
         if frames is not None:
             check_frames(frames)
@@ -178,14 +181,14 @@ def size_from(text: str | None) -> tuple[int, int] | None:
 
 
 def refuse(reason: str, **given: object) -> None:
-    """Refuse options that are given, with a value other than None and False, but mean nothing here."""
+    """Refuse options that have no meaning here, if they are given: with a value other than None and False."""
     for name, value in given.items():
         if value is not None and value is not False:
             raise InputError(f"--{name.replace('_', '-')}: {reason}; leave it out")
 
 
 def names_from(text: str) -> tuple[str, ...]:
-    """Names with commas between them."""
+    """The names in a text with commas between them."""
     return tuple(name.strip() for name in text.split(","))
 
 
@@ -201,14 +204,14 @@ def places_from(text: str) -> list[float]:
 
 
 def check_answer_files(files: AnswerFiles) -> None:
-    """Refuse, before any work is done, names of files that could not be written after it."""
+    """Refuse names of files that could not be written, before the computation begins."""
     check_file("--contacts", files.contacts, ".csv", ".json")
     check_file("--series", files.series, ".nc", ".csv")
     check_file("--figure", files.figure, *FIGURES)
 
 
 def series_from(problem: Problem, files: AnswerFiles, duration: float | None) -> dict[str, Any]:
-    """The arguments of `time_series`, refused before any work is done if they are impossible."""
+    """The arguments of `time_series`; impossible ones are refused before the computation begins."""
     if files.series is None:
         refuse("no series is written without --series FILE", quantity=files.quantity, rate=files.rate)
         return {}
@@ -228,14 +231,14 @@ def check_duration(duration: float | None) -> None:
 
 
 def duration_of(problem: Problem, duration: float | None) -> float:
-    """The duration that is asked for, or that of the shortest record, s."""
+    """The given duration, or else the duration of the shortest record, s."""
     if duration is None and not problem.records:
         raise InputError("--duration: is missing; only a problem with a record has a duration of its own")
     return problem.longest if duration is None else duration
 
 
 def check_file(option: str, path: str | None, *endings: str) -> None:
-    """Refuse, before any work is done, the name of a file that could not be written after it."""
+    """Refuse the name of a file that could not be written, before the computation begins."""
     if path is None:
         return
     if endings and Path(path).suffix.lower() not in endings:
@@ -248,7 +251,7 @@ def check_file(option: str, path: str | None, *endings: str) -> None:
 
 
 def _followed(option: str, path: str) -> Path:
-    """Where a path leads, links followed; a link that leads to itself is left."""
+    """A path with its links followed, except a link that leads to itself."""
     try:
         return Path(os.path.realpath(path))
     except (OSError, ValueError) as error:
@@ -256,9 +259,9 @@ def _followed(option: str, path: str) -> Path:
 
 
 def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[str, Any]:
-    """The arguments of a figure: its places; refused before any work is done if it cannot be drawn.
+    """The arguments of a figure: its places.  A figure that cannot be drawn is refused before the computation begins.
 
-    `elsewhere` says whether --at means something without a figure, too.
+    `elsewhere` says whether --at has a meaning without a figure, too.
     """
     draw, at = files.draw, files.at
     if draw and not files.figure:
@@ -278,7 +281,7 @@ def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[
 
 
 def check_directory(path: str) -> None:
-    """Refuse, before any work is done, a directory that could not be made or written to after it."""
+    """Refuse a directory that could not be made or written to, before the computation begins."""
     if not path:
         raise InputError("--out: is empty; it must name a directory")
     there = _followed("--out", path)

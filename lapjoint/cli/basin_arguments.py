@@ -34,7 +34,7 @@ def plan_from(
     values: int | None,
     effort: int | None,
 ) -> BasinPlan:
-    """The plan of the options; options that mean nothing together are refused."""
+    """The plan of the options; a combination of options that has no meaning is refused."""
     if plane is None and energy is None:
         raise InputError('basins: no starts are chosen; give --plane "z(X),v(X)", or --energy J for random ones')
     if plane is not None:
@@ -57,7 +57,7 @@ def plan_from(
 
 
 def shape_from(text: str) -> tuple[int, int]:
-    """Numbers of values from ``400x400``."""
+    """The two numbers of values of a text such as ``400x400``."""
     first, x, second = text.lower().partition("x")
     if not (x and first.isdecimal() and second.isdecimal() and int(first) and int(second)):
         raise InputError(f"--grid {text}: must be two numbers of values, as in 40x40")
@@ -65,7 +65,7 @@ def shape_from(text: str) -> tuple[int, int]:
 
 
 def ranges_from(text: str) -> Ranges:
-    """Ranges of two coordinates from ``-0.1:0.1,-20:20``."""
+    """The ranges of two coordinates of a text such as ``-0.1:0.1,-20:20``."""
     try:
         first, second = text.split(",")
         (a, b), (c, d) = ([float(number) for number in part.split(":")] for part in (first, second))

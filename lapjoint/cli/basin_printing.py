@@ -14,7 +14,7 @@ ROWS_SHOWN = 20
 
 
 def print_basins(found: xr.Dataset) -> None:
-    """Print the share of starts that end in each motion, for each value of what is varied."""
+    """Print the fraction of starts that end in each motion, for each value of the varied parameter."""
     own = {"first", "second", "start"}
     over = [str(name) for name in found.motion.dims if name not in own]
     starts = found.motion.size // (found.sizes[over[0]] if over else 1)
@@ -27,7 +27,7 @@ def print_basins(found: xr.Dataset) -> None:
 
 
 def _print_shares(one: xr.Dataset) -> None:
-    """Print the shares of one problem."""
+    """Print the fraction of starts that end in each motion, of one problem."""
     shown = 0
     for name, kind in (("", "motion"), ("unbound_", "unbound")):
         labels = motion_names(one) if kind == "motion" else [str(text) for text in one.unbound.values]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import click
@@ -18,23 +17,23 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
 @click.option(
     "--plane",
     metavar="A,B",
-    help="Starts in a plane: displacement z or velocity v at two places, m, as in z(2.5),v(2.5).",
+    help="Starts in the plane of two coordinates: displacement z or velocity v at a place, m, e.g. z(2.5),v(2.5).",
 )
 @click.option("--grid", metavar="NxM", help="Number of values of A and B.  [default: 40x40]")
 @click.option(
     "--range",
     "ranges",
     metavar="A:A,B:B",
-    help="First and last value of A and of B, m or m/s, as in -0.1:0.1,-20:20.  [default: by base motion and gap]",
+    help="First and last value of A and of B, m or m/s, e.g. -0.1:0.1,-20:20.  [default: by base motion and gap]",
 )
-@click.option("--energy", type=float, metavar="J", help="Random starts of at most this energy, instead of a plane.")
+@click.option("--energy", type=float, metavar="J", help="Random starts with at most this energy, instead of a plane.")
 @click.option("--starts", type=int, help="Number of random starts.  [default: 1000]")
 @click.option("--seed", type=int, help="Seed of the random starts.  [default: 0]")
-@click.option("--over", metavar="PATH", help="A parameter, as --set takes it: find the basins at each of its values.")
+@click.option("--over", metavar="PATH", help="A parameter to vary, e.g. stops.*.gap; basins are found at each value.")
 @click.option("--from", "first", type=float, help="First value of the parameter.")
 @click.option("--to", "last", type=float, help="Last value of the parameter.")
 @click.option("--values", type=int, help="Number of values of the parameter.")
-@click.option("--effort", type=int, metavar="PERIODS", help="Most periods marched from a start.  [default: 4000]")
+@click.option("--effort", type=int, metavar="PERIODS", help="Limit of periods simulated from a start.  [default: 4000]")
 @click.option("--figure", metavar="FILE", type=FILE, help="Draw the basins to FILE: .png, .svg or .pdf.")
 @campaign_options(out_required=True)
 def basins(
@@ -47,10 +46,10 @@ def basins(
 ) -> None:
     """Find which motion of PROBLEM each of many starts ends in.
 
-    Starts are the points of a grid in a --plane, or random ones of an --energy. Interrupted in any way, the same
-    command resumes.
+    Starts are the points of a grid in a --plane, or random states of at most an --energy. If the command is
+    interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns import solve_basins
+    from lapjoint.campaigns.basins.job import BasinJob
     from lapjoint.campaigns.basins.table import UNBOUND_CLASSES
     from lapjoint.cli import arguments
     from lapjoint.cli.basin_arguments import plan_from
@@ -61,7 +60,7 @@ def basins(
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver.name, solver.numerics, **chosen)
-    found = found_or_stored(plan, "basins", "these basins", partial(solve_basins, plan), work)
+    found = found_or_stored(BasinJob(plan), "basins", "these basins", work)
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
@@ -18,18 +16,18 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     default="base_motion.angular_frequency",
     show_default=True,
     metavar="PATH",
-    help="The parameter that changes, as in stops.*.gap.",
+    help="The parameter that changes, e.g. stops.*.gap.",
 )
-@click.option("--from", "first", type=float, required=True, help="One end of its range, SI units.")
-@click.option("--to", "last", type=float, required=True, help="The other end.")
+@click.option("--from", "first", type=float, required=True, help="One end of the parameter's range, SI units.")
+@click.option("--to", "last", type=float, required=True, help="The other end of the range.")
 @click.option(
     "--max-period-multiple",
     type=int,
     default=1,
     show_default=True,
-    help="Follow branches up to this many excitation periods.",
+    help="Follow motions that repeat after at most this number of excitation periods.",
 )
-@click.option("--starts", type=int, default=0, show_default=True, help="Random starts besides the initial state.")
+@click.option("--starts", type=int, default=0, show_default=True, help="Number of further starts, all random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random starts.")
 @click.option(
     "--errors/--no-errors",
@@ -42,26 +40,26 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     type=int,
     default=5000,
     show_default=True,
-    help="Most points of a branch; one that needs more ends as `effort`.",
+    help="Largest number of points of a branch; a branch that needs more ends as `effort`.",
 )
 @click.option(
     "--effort",
     type=int,
     default=100_000,
     show_default=True,
-    help="Points of all branches, each times its period multiple, after which no further branch is followed.",
+    help="Limit of the sum over all branches of points times period multiple; beyond it, no new branch is followed.",
 )
 @click.option(
     "--from-grazes",
     is_flag=True,
-    help="Also look beside each graze for motions that have its contact every second period alone.",
+    help="Also look near each graze for motions with the grazing contact in every second period only.",
 )
 @click.option(
     "--also-over",
     "second",
     metavar="PATH=VALUES",
-    help="Do all this for values of a second parameter, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
-    "damping.ratio=0.02,0.08: the loci of bifurcations in both.",
+    help="Follow branches for each value of a second parameter, e.g. stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
+    "damping.ratio=0.02,0.08, and find the loci of bifurcations in both parameters.",
 )
 @campaign_options(out_required=True)
 def branch(
@@ -84,9 +82,9 @@ def branch(
     """Follow the periodic motions of PROBLEM, stable or not, while one of its parameters changes.
 
     Folds, flips, Neimark-Sacker bifurcations, broken symmetries and grazes are located; with --also-over, their loci in
-    two parameters.  Interrupted in any way, the same command resumes.
+    two parameters.  If the command is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns.branches.running import find_branches
+    from lapjoint.campaigns.branches.job import BranchJob
     from lapjoint.campaigns.branches.spec import BranchSpec
     from lapjoint.cli import arguments
     from lapjoint.cli.branch_printing import is_whole, print_branches
@@ -111,6 +109,6 @@ def branch(
         also_over=also_over,
         from_grazes=from_grazes,
     )
-    found = found_or_stored(plan, "branch", "these branches", partial(find_branches, plan), work, search=True)
+    found = found_or_stored(BranchJob(plan), "branch", "these branches", work, search=True)
     print_branches(found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

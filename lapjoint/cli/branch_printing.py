@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
 ROWS_SHOWN = 40
 _AT_END = 1e-9
-"""Distance from an end of the range, over the size of the range, within which a point is at the end."""
+"""Distance from an end of the range within which a point is at the end, divided by the larger of the range and the
+end's value."""
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
@@ -26,7 +27,8 @@ def is_whole(dataset: xr.Dataset) -> bool:
 
 
 def print_branches(dataset: xr.Dataset) -> None:
-    """Print each branch in a line, with its bifurcations below it; with a second parameter, their loci instead."""
+    """Print each branch in a line, with its bifurcations below it; with a second parameter, the loci of bifurcations
+    instead."""
     if not dataset.branch_first_end.size:
         echo("no periodic motion was found from any start")
     if second_parameter_of(dataset) is None:
@@ -53,7 +55,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
 
 
 def _print_ends_without_motion(dataset: xr.Dataset) -> None:
-    """Print the ends of the range that no branch reaches, though a march from rest began there."""
+    """Print the ends of the range that no branch reaches, although a march from rest was made there."""
     values, most = dataset[parameter_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
@@ -101,7 +103,7 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
 
 
 def _unknown_text(dataset: xr.Dataset) -> str:
-    """How likely it is that a branch is unknown, in a sentence; with a second parameter, on average over its values."""
+    """How likely an unknown branch is, in a sentence; with a second parameter, on average over its values."""
     from lapjoint.campaigns.branches.unknown import Reached
 
     if not int(dataset.attrs["starts"]):
@@ -125,7 +127,7 @@ def _counted(count: int, name: str, ending: str = "s") -> str:
 
 
 def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
-    """Bifurcation `j` in a line: value, error and name; of a graze also the stop, and how the branch goes on."""
+    """Bifurcation `j` in a line: value, error and name; for a graze also the stop, and how the branch continues."""
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])

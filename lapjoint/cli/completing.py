@@ -13,7 +13,7 @@ from click.types import StringParamType
 
 
 class Offering(StringParamType):
-    """A text for which the Tab key offers names, which a function gives, and paths: "file", "dir" or none."""
+    """A text for which the Tab key offers names, given by a function, and paths: "file", "dir" or None."""
 
     def __init__(self, names: Callable[[], Iterable[str]] | None = None, paths: str | None = None) -> None:
         self._names = names

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.completing import FILE
@@ -13,8 +11,8 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, solver_op
 @click.command()
 @click.argument("branches", type=FILE)
 @solver_options_with("fe", "The other solver: fe, analytic, or another installed.")
-@click.option("--share", type=float, default=1.0, show_default=True, help="Look for this share, drawn at random.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the draw.")
+@click.option("--share", type=float, default=1.0, show_default=True, help="Fraction to look for, drawn at random.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random draw.")
 @campaign_options(out_required=True)
 def confirm(
     branches: str,
@@ -23,21 +21,20 @@ def confirm(
     solver: SolverChoice,
     work: Work,
 ) -> None:
-    """Look for each bifurcation in the file BRANCHES of `lapjoint branch` by another solver, too.
+    """Locate each bifurcation in the file BRANCHES of `lapjoint branch` with another solver, too.
 
-    The other solver starts from the motions in the file, and states its own errors.  Interrupted in any way, the same
-    command resumes.  The exit status is 1 unless both agree on all.
+    The other solver starts from the motions in the file, and states its own errors.  The exit status is 1 unless both
+    solvers agree on all bifurcations.  If the command is interrupted, run it again: it resumes.
     """
     from lapjoint.campaigns.branches.table import read_branches
-    from lapjoint.campaigns.confirm.running import ConfirmJob
+    from lapjoint.campaigns.confirm.job import ConfirmJob
     from lapjoint.campaigns.confirm.spec import confirm_spec
-    from lapjoint.campaigns.running import solve_job
     from lapjoint.cli import arguments
     from lapjoint.cli.confirm_printing import all_agree, print_confirmed
     from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", work.out, ".nc")
     spec = confirm_spec(read_branches(branches), solver.name, solver.numerics, share, seed)
-    found = found_or_stored(spec, "confirm", "this confirmation", partial(solve_job, ConfirmJob(spec)), work)
+    found = found_or_stored(ConfirmJob(spec), "confirm", "this confirmation", work)
     print_confirmed(found)
     click.get_current_context().exit(0 if all_agree(found) else 1)

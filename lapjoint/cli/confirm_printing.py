@@ -50,7 +50,7 @@ def disagreement_text(dataset: xr.Dataset, j: int) -> str:
 
 
 def _largest(dataset: xr.Dataset, mine: np.ndarray) -> list[str]:
-    """The largest ratio, and the largest stated errors of both solvers over the value."""
+    """The largest ratio of difference to stated error, and each solver's largest stated error, divided by the value."""
     found = mine & np.isfinite(dataset.ratio.values)
     if not found.any():
         return ["-", "-"]

@@ -8,5 +8,6 @@ from lapjoint.files.plain_text import escaped
 
 
 def echo(text: str = "", *, err: bool = False, nl: bool = True) -> None:
-    """Print text that may hold names from files and arguments, to standard output or, with `err`, standard error."""
+    """Print text, which may contain names from files and arguments, to standard output or, with `err`, to standard
+    error."""
     click.echo(escaped(text), err=err, nl=nl)

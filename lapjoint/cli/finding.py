@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import Work
@@ -11,32 +10,24 @@ from lapjoint.cli.options import Work
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.campaigns.job import Spec
+    from lapjoint.campaigns.job import Job
 
 
-def found_or_stored(
-    plan: Spec,
-    title: str,
-    holds: str,
-    find: Callable[..., xr.Dataset],
-    work: Work,
-    *,
-    search: bool = False,
-) -> xr.Dataset:
-    """The dataset of a plan: from its file if it is finished there, else found, with progress under a `title`.
+def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work, *, search: bool = False) -> xr.Dataset:
+    """The dataset of a job: read from its file if the file is finished, else found, with progress under a `title`.
 
-    `holds` says what a finished file has, as "this sweep".  With `search`, work leads to more work, and no time left is
-    told.  `find` takes `progress` and the fields of `work`.
+    `holds` names the content of a finished file, for example "this sweep".  With `search`, the amount of work is not
+    known in advance, and progress shows no remaining time.
     """
-    from lapjoint.campaigns import stored
+    from lapjoint.campaigns.running import run_job, stored
     from lapjoint.cli.progress import shown_points, shown_search
 
-    there = None if work.out is None else stored(plan, work.out, force=work.force)
+    there = None if work.out is None else stored(job.spec, work.out, force=work.force)
     if there is not None:
         echo(f"{work.out}: holds {holds} already, finished")
         return there
     with (shown_search if search else shown_points)(title) as progress:
-        found = find(progress=progress, **work._asdict())
+        found = run_job(job, progress=progress, **work._asdict())
     if work.out is not None:
         echo(f"Wrote {work.out}")
     return found

@@ -23,9 +23,9 @@ from lapjoint.cli.options import (
 @problem_options
 @solver_options
 @motion_options
-@click.option("-o", "--out", "directory", required=True, metavar="DIR", type=DIRECTORY, help="Where the files go.")
+@click.option("-o", "--out", "directory", required=True, metavar="DIR", type=DIRECTORY, help="Directory of the files.")
 @click.option(
-    "--state", help="Write mode shapes instead: of closed stops (P2+P4), free, 1-9, or all; --modes says how many."
+    "--state", help="Write mode shapes of contact states instead: closed stops (P2+P4), free, 1-9, or all; see --modes."
 )
 @click.option(
     "--format",
@@ -35,9 +35,9 @@ from lapjoint.cli.options import (
     show_default=True,
     help="pvd: .vtu files and a .pvd, for ParaView; vtkhdf: one file, for ParaView from 5.12 on; xdmf: for meshio.",
 )
-@click.option("--frames", type=int, help="Equidistant times.  [default: as many as the motion needs]")
-@click.option("--times", metavar="T,T,..", help="The times themselves, s.")
-@click.option("--points", type=int, default=81, show_default=True, help="Equidistant points along the beam.")
+@click.option("--frames", type=int, help="Number of equidistant times.  [default: as many as the motion needs]")
+@click.option("--times", metavar="T,T,..", help="The times to write, s, in place of --frames.")
+@click.option("--points", type=int, default=81, show_default=True, help="Number of equidistant points along the beam.")
 def export(
     problem: str,
     overrides: tuple[str, ...],
@@ -98,20 +98,20 @@ def export(
     "output",
     metavar="FILE",
     type=FILE,
-    help="A picture (.png) or a film (.gif, .mp4).  [default: a window]",
+    help="File of a picture (.png) or a film (.gif, .mp4).  [default: show a window]",
 )
-@click.option("--at", type=float, help="Time of a picture, s.  [default: when the stops push hardest]")
+@click.option("--at", type=float, help="Time of a picture, s.  [default: the time of the largest contact force]")
 @click.option("--frames", type=int, help="Number of frames of a film, or of a window.  [default: 60]")
 @click.option("--pace", type=float, help="Frames a second of a film.  [default: 20]")
 @click.option(
     "--colour",
     type=click.Choice(["stress", "velocity", "moment", "displacement"]),
-    help="What colours the beam.  [default: stress, or moment where the problem gives no section]",
+    help="Quantity that colours the beam.  [default: stress, or moment if the problem has no section]",
 )
 @click.option(
-    "--scale", type=float, help="Factor of displacements and gaps, 1 for true scale.  [default: by the motion]"
+    "--scale", type=float, help="Factor on displacements and gaps, 1 for true scale.  [default: by the motion]"
 )
-@click.option("--absolute", is_flag=True, help="Seen from outside, and not from the moving base.")
+@click.option("--absolute", is_flag=True, help="Show the motion as seen from outside, not from the moving base.")
 @click.option("--size", metavar="WxH", help="Width and height, pixels.  [default: 1200x520, films 900x400]")
 def show(
     problem: str,
@@ -129,7 +129,7 @@ def show(
 ) -> None:
     """Show the motion of PROBLEM in three dimensions: in a window, as a picture, or as a film.
 
-    The beam is coloured by its bending stress, stops light up while they act, and the picture states its scale.
+    By default the bending stress colours the beam.  Closed stops light up, and the picture states its scale.
     """
     from lapjoint import scene
     from lapjoint.cli import arguments

@@ -1,11 +1,10 @@
 """The command ``lapjoint``.
 
-Exit status: 0 when all went well; 1 when something disagrees, the solver had to give up, or what remains of a motion
-could not be established; 2 for bad input; 3 when a file could not be written; 130 after Ctrl-C.  All but 0 come with a
-message, and none with a traceback.
+Exit status: 0 for success; 1 if answers disagree, a solver failed, or a steady state is undecided; 2 for bad input; 3
+if a file could not be written; 130 after Ctrl-C.  Each status except 0 comes with a message, never with a traceback.
 
-Another package adds a command by an entry point of the group ``lapjoint.commands``, a `click.Command`.  Everything
-heavy is imported inside the functions that need it, so that ``lapjoint --help`` answers at once.
+Another package adds a command by an entry point of the group ``lapjoint.commands``, a `click.Command`.  Heavy modules
+are imported inside the functions that need them, so that ``lapjoint --help`` answers at once.
 """
 
 from __future__ import annotations
@@ -28,6 +27,7 @@ from lapjoint.cli.branch import branch
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.confirm import confirm
 from lapjoint.cli.echo import echo
+from lapjoint.cli.equilibrium import equilibrium
 from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
@@ -39,7 +39,7 @@ BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 2, 3, 130
 
 
 class Lapjoint(click.Group):
-    """All commands, those of other packages too; errors that a user can cause end in a message and an exit status."""
+    """All commands, also of other packages; an error that a user can cause ends in a message and an exit status."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of all commands, in alphabetical order."""
@@ -98,16 +98,16 @@ class Lapjoint(click.Group):
 
 
 def _said(message: str, status: int) -> int:
-    """Print a message on standard error; returns the exit status that goes with it."""
+    """Print a message on standard error, and return `status`."""
     echo(f"lapjoint: {message}", err=True)
     return status
 
 
 def _not_written(error: OSError) -> int:
-    """The exit status after an error of the system in a temporary file or in standard output.
+    """The exit status after an error of the operating system in a temporary file or in standard output.
 
-    Standard output is then sent nowhere, as Python would write to it again when it ends.  A pipe whose reader has gone
-    needs no message.
+    Standard output is then redirected to the null device, because Python writes to it again at exit.  A pipe without a
+    reader gets no message.
     """
     with suppress(OSError, ValueError):
         try:
@@ -137,7 +137,7 @@ def _show_warnings() -> None:
 
 
 def _load(entry: EntryPoint) -> click.Command:
-    """The command of an entry point; where it cannot be loaded, one that says so, and leaves the others usable."""
+    """The command of an entry point; if it cannot be loaded, a command that says why, so that the others work."""
     try:
         command: click.Command = entry.load()
     except (ImportError, AttributeError) as error:
@@ -155,13 +155,13 @@ def _load(entry: EntryPoint) -> click.Command:
 @click.group(cls=Lapjoint, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="lapjoint", prog_name="lapjoint")
 def main() -> None:
-    """Two independent solvers for a loose, impacting lap joint, and a verdict on whether to believe them.
+    """Simulate a loose, impacting lap joint by two independent solvers, and compare their answers.
 
     PROBLEM is a TOML file (see `lapjoint init`), or preset:paper, or preset:sdnl104.
     """
 
 
-for command in (modes, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
+for command in (modes, equilibrium, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
     main.add_command(command)
 
 

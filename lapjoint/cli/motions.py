@@ -1,4 +1,4 @@
-"""Motions as the commands find them, with progress shown."""
+"""Computation of the motions that commands need, with progress shown."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def find_steady_state(problem: Problem, solver: Solver, errors: bool) -> SteadyS
     from lapjoint.cli.progress import shown_search
 
     with shown_search("steady state", "periods allowed") as progress:
-        progress(0.0, 1.0)  # the time is counted from here
+        progress(0.0, 1.0)  # starts the clock
         return solver.steady_state(problem, errors=errors, progress=progress)
 
 
@@ -33,7 +33,7 @@ def find_motions(
     motion: MotionChoice,
     solver: SolverChoice,
 ) -> dict[str, History]:
-    """The chosen motion by the name of its solver, and that of the second solver, if any."""
+    """The chosen motion of each chosen solver, by the name of the solver."""
     from lapjoint.cli import arguments
     from lapjoint.errors import InputError
 

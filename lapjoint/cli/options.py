@@ -40,7 +40,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 
 class SolverChoice(NamedTuple):
-    """The solver that was chosen, and its numerical options as they were given."""
+    """The chosen solver, and its numerical options as given on the command line."""
 
     name: str
     n_modes: int | None = None
@@ -70,13 +70,13 @@ class SolverChoice(NamedTuple):
 
 
 class MotionChoice(NamedTuple):
-    """Which motion was chosen."""
+    """The chosen motion."""
 
     duration: float | None
     """Time from the initial state, s; None for the steady state."""
     steady_state: bool
     beside: str | None
-    """A second solver, ``NAME`` or ``NAME:KEY=VALUE,...``, whose motion stands beside."""
+    """A second solver, ``NAME`` or ``NAME:KEY=VALUE,...``, whose motion is shown beside the first."""
 
 
 class AnswerFiles(NamedTuple):
@@ -94,17 +94,17 @@ class AnswerFiles(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Where a campaign's dataset goes, and who does the work."""
+    """The file of a campaign's dataset, and the processes that compute it."""
 
     out: str | None
     workers: int
     scheduler: str | None
     force: bool
-    """Whether a file of another campaign may be thrown away."""
+    """Whether a file of another campaign may be overwritten."""
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
-    """One decorator for several options; help lists them from the last to the first."""
+    """One decorator for several options; the help text lists them from the last to the first."""
 
     def decorate(command: Command) -> Command:
         for option in options:
@@ -115,7 +115,7 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
 
 
 LARGE = "lapjoint.large"
-"""Where click's context keeps whether --large was given."""
+"""Key in the ``meta`` of click's context under which the value of --large is kept."""
 
 
 def _keep(context: click.Context, parameter: click.Parameter, value: bool) -> None:
@@ -146,11 +146,11 @@ problem_options = together(
     ),
     click.argument("problem", type=PROBLEM),
 )
-"""PROBLEM, --set to change values of it, and --large to allow much time or room."""
+"""PROBLEM, --set to change values of it, and --large to allow large problems and exports."""
 
 
 def as_one(record: type[Any], name: str) -> Callable[[Command], Command]:
-    """A decorator for a command that takes the options named as the fields of a record as one argument."""
+    """A decorator that collects the options named as the fields of `record` into one argument `name` of a command."""
 
     def decorate(command: Command) -> Command:
         @wraps(command)
@@ -180,53 +180,53 @@ def solver_options_with(default: str, help_text: str) -> Callable[[Command], Com
     )
 
 
-solver_options = solver_options_with("analytic", "analytic, fe, or another installed.")
+solver_options = solver_options_with("analytic", "The solver: analytic, fe, or another installed one.")
 
 answer_options = together(
     as_one(AnswerFiles, "files"),
     click.option(
         "--draw",
         type=click.Choice(list(DRAWINGS)),
-        help="What the figure shows: motion (the default), phase portrait, Poincare section, impulses of the "
-        "contacts, contact states over time, or amplitude spectrum.",
+        help="Kind of figure: motion (the default), phase portrait, Poincare section, impulses of the contacts, "
+        "contact states over time, or amplitude spectrum.",
     ),
     click.option("--figure", metavar="FILE", type=FILE, help="Draw the answer to FILE: .png, .svg or .pdf."),
     click.option(
         "--errors/--no-errors",
         default=True,
         show_default=True,
-        help="Estimate the numerical errors too; takes up to as long again.",
+        help="Also estimate numerical errors; at most doubles the time.",
     ),
-    click.option("--rate", type=float, metavar="HZ", help="Samples a second of --series.  [default: by its modes]"),
+    click.option("--rate", type=float, metavar="HZ", help="Samples a second of --series.  [default: by the modes]"),
     click.option(
         "--quantity",
         metavar="NAME,NAME,..",
-        help="What --series holds: displacement, velocity, acceleration (relative to the base), absolute_displacement, "
-        "absolute_velocity, absolute_acceleration, moment, shear, stress, force (of each stop).  "
-        "[default: displacement and force]",
+        help="Quantities in --series: displacement, velocity, acceleration (relative to the base), "
+        "absolute_displacement, absolute_velocity, absolute_acceleration, moment, shear, stress, "
+        "force (of each stop).  [default: displacement and force]",
     ),
     click.option(
         "--at",
         metavar="x=X,X,..",
-        help="Places of --series, of a figure, and of what steady prints, m.  [default: the stops and the free ends; "
-        "of a spectrum, where it moves most]",
+        help="Places of --series, of a figure, and of the peaks that steady prints, m.  [default: the stops and the "
+        "free ends; for a spectrum, the place of largest motion]",
     ),
     click.option("--series", "series", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
     click.option("--contacts", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."),
 )
-"""The files of an answer, the argument ``files`` of a command, an `AnswerFiles`, and --errors."""
+"""--errors, and the files of an answer: the argument ``files`` of a command, an `AnswerFiles`."""
 
 
 def campaign_options(out_required: bool) -> Callable[[Command], Command]:
     """The file of a campaign, and the workers: the argument ``work`` of a command, a `Work`."""
     return together(
         as_one(Work, "work"),
-        click.option("--force", is_flag=True, help="Throw away another campaign of this kind that is in FILE."),
+        click.option("--force", is_flag=True, help="Overwrite another campaign of this kind in FILE."),
         click.option(
-            "--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers do it, as tcp://host:8786."
+            "--scheduler", metavar="ADDRESS", help="A dask scheduler whose workers compute, e.g. tcp://host:8786."
         ),
         click.option(
-            "--workers", type=int, default=1, show_default=True, help="Number of processes; -1: all processors."
+            "--workers", type=int, default=1, show_default=True, help="Number of processes; -1: one per processor."
         ),
         click.option(
             "-o",
@@ -234,7 +234,7 @@ def campaign_options(out_required: bool) -> Callable[[Command], Command]:
             required=out_required,
             metavar="FILE",
             type=FILE,
-            help="Where the dataset goes: .nc; resumed if not finished.",
+            help="File of the dataset, .nc; an unfinished file is resumed.",
         ),
     )
 
@@ -245,9 +245,9 @@ motion_options = together(
         "--beside",
         metavar="NAME",
         type=SOLVER,
-        help="Another solver, whose motion stands beside: fe, or fe:elements=80 with options of its own.",
+        help="A second solver, whose motion is shown beside the first: fe, or with options fe:elements=80.",
     ),
-    click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead."),
+    click.option("--steady", "steady_state", is_flag=True, help="Take the steady state instead of --duration."),
     click.option("--duration", type=float, help="Time to simulate from the initial state, s."),
 )
 """--duration or --steady, and --beside: the argument ``motion`` of a command, a `MotionChoice`."""

@@ -1,4 +1,4 @@
-"""Answers as the command line shows them, and as its JSON files hold them."""
+"""Printing of answers by the command line, and their content in JSON files."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ if TYPE_CHECKING:
 COLUMNS = 80
 """Usual width of a terminal, characters."""
 _NUMBER = 12
-"""Characters of a number, with the space before it."""
+"""Width of a number in a table, characters, with the space before it."""
 _TIMES = 2049
-"""Times in a period at which distances to the stops are taken: exact to 3e-5 for ten half waves."""
+"""Number of times at which displacements at stops are computed: for a wave of ten half waves, the largest is exact to
+3e-5."""
 ROWS_SHOWN = 20
 STATES_SHOWN = 32
 FAILURES_SHOWN = 5
@@ -54,7 +55,7 @@ def print_modes(problem: Problem, solver: str, answers: list[Modes], hz: bool = 
 
 
 def modes_summary(problem: Problem, solver: str, answers: list[Modes]) -> dict[str, Any]:
-    """Natural angular frequencies as JSON holds them."""
+    """The content of a JSON file of natural angular frequencies."""
     states = [
         {
             "name": answer.state.name(problem),
@@ -133,7 +134,7 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
 
 
 def _print_summary(found: SteadyState, at: list[float] | None) -> None:
-    """Print peaks and root mean squares at places, and of the stops' forces and contacts."""
+    """Print peaks and root mean squares at places, and the forces and contacts of each stop."""
     summary = summarise(found, at=at)
     what, values, errors = summary.selection, summary.values, summary.errors
     over = "" if found.period_multiple else f" over {WANDERING} periods"
@@ -171,11 +172,12 @@ def print_source(source: str) -> None:
 
 
 def _print_nearest(history: History) -> None:
-    """Print the stop that a motion without contact comes nearest to, and how near, over its gap."""
+    """Print the stop to which a motion without contact comes nearest, and the largest displacement towards this stop,
+    as a percentage of its gap."""
     stops = history.problem.stops
     t = np.linspace(history.start, history.end, _TIMES)
     sides = np.array([stop.sign for stop in stops])[:, None]
-    reach = (sides * history.displacement(np.array([stop.x for stop in stops]), t)).max(axis=1)
+    reach = (sides * history.seen_by_stops(t)).max(axis=1)
     gaps = np.array([stop.gap for stop in stops])
     names, _ = stop_column(history.problem)
     if gaps.min() < 0:  # a distance, because nothing can be a percentage of an interference
@@ -188,7 +190,7 @@ def _print_nearest(history: History) -> None:
 
 
 def _sensitivity(acceptance: Acceptance) -> str:
-    """Why rounding or a push may have decided which motion was reached."""
+    """The reason why rounding or a push may have decided which motion was reached."""
     if acceptance.pushes:
         times = "once" if acceptance.pushes == 1 else f"{acceptance.pushes} times"
         return f"the march was pushed off an unstable one {times}"
@@ -201,7 +203,7 @@ def complex_text(value: complex) -> str:
 
 
 def print_impulses(problem: Problem, impulses: list[float], heading: str, errors: list[float] | None = None) -> None:
-    """Print one impulse for each stop, and its error where it was estimated; nothing where there are no stops."""
+    """Print one impulse for each stop, and its error if it was estimated; nothing if there are no stops."""
     if problem.stops:
         echo(f"\n{heading}, top positive")
         names, width = stop_column(problem)
@@ -228,7 +230,7 @@ def stop_column(problem: Problem) -> tuple[list[str], int]:
 
 
 def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> dict[str, Any]:
-    """A steady state as JSON holds it, with peaks at places, m, or at the default places."""
+    """The content of a JSON file of a steady state, with peaks at places, m, or at the default places."""
     accepted = found.acceptance
     return {
         "solver": found.solver,
@@ -253,7 +255,7 @@ def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> d
 
 
 def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
-    """Peaks, RMS and contacts of a steady state as JSON holds them."""
+    """Peaks, RMS and contacts of a steady state, as part of a JSON file."""
     summary = summarise(found, at=at)
     what, content = summary.selection, dict[str, Any]()
     for one in what.quantities:
@@ -291,7 +293,7 @@ def write_json(path: str, content: Any) -> None:
 
 
 def print_curve(curve: xr.Dataset) -> None:
-    """Print how many points of a sweep ended how, and why the solver gave up at the first ones."""
+    """Print the number of points of a sweep with each outcome, and the first messages of failed points."""
     outcome = curve.outcome.values
     names = zip(curve.outcome.attrs["flag_values"], curve.outcome.attrs["flag_meanings"].split(), strict=True)
     counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names]

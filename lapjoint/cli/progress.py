@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar on a terminal, a line now and then elsewhere."""
+"""Progress on standard error: a bar on a terminal, occasional lines elsewhere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from lapjoint.cli.echo import echo
 from lapjoint.files.plain_text import duration_text
 
-if TYPE_CHECKING:  # solvers are loaded with numpy, and each call of the command line comes by here
+if TYPE_CHECKING:  # importing solvers loads numpy, and every call of the command line imports this module
     from lapjoint.solver import Progress
 
 
@@ -62,7 +62,7 @@ def shown_points(title: str) -> Iterator[Progress]:
 
         def progress(done: float, total: float) -> None:
             nonlocal began
-            if not began:  # points done before say nothing about the speed
+            if not began:  # points of an earlier run say nothing about the speed
                 bar.reset(task, total=total, completed=int(done))
                 began = True
             bar.update(task, completed=done)
@@ -71,16 +71,17 @@ def shown_points(title: str) -> Iterator[Progress]:
 
 
 EARLY = 10.0
-"""Time after which the first line comes if a twentieth of the work takes longer, s."""
+"""Time after which the first line is printed if a twentieth of the work takes longer, s."""
 A_FEW = 3
-"""Points that must be done for that line, or 1 % if these are fewer: fewer points tell little of the rest."""
+"""Number of finished points needed for a line after `EARLY`, or 1 % of all points if that is fewer: the time left is
+estimated from the finished points."""
 
 
 def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic) -> Progress:
-    """A callback that prints a line each time another twentieth is done, with the time that is left.
+    """A callback that prints a line each time another twentieth is done, with the time left.
 
-    The first call says where the work begins, so that points done before do not count.  Until the first twentieth is
-    done, lines come after `EARLY`, and then at doubled times, but not before `A_FEW` points.
+    The first call says where the work begins; points done before it do not count for the time left.  Until the first
+    twentieth is done, lines are printed after `EARLY`, then each time the time has doubled, if `A_FEW` points are done.
     """
     began: tuple[float, float] | None = None
     shown = 0
@@ -113,7 +114,7 @@ def lines_with_time_left(title: str, clock: Callable[[], float] = time.monotonic
 def shown_search(title: str, known_as: str = "known so far") -> Iterator[Progress]:
     """Give a callback ``progress(done, known)`` that shows how much of the work known so far a search has done.
 
-    `known_as` names the total: the work known so far, or the most allowed, before which a search may end.
+    `known_as` describes `known`: the work known so far, or the largest work allowed, of which a search may need less.
     """
     if not sys.stderr.isatty():
         yield lines_of_search(title, known_as=known_as)
@@ -134,9 +135,9 @@ MOST = 60.0
 def lines_of_search(
     title: str, clock: Callable[[], float] = time.monotonic, known_as: str = "known so far"
 ) -> Progress:
-    """A callback that prints a line after `EARLY`, and then ever more rarely, but at least every `MOST`.
+    """A callback that prints a line after `EARLY`, then at growing intervals, at most `MOST`.
 
-    Work leads to more work, and the time that is left is unknown.
+    No time left is shown, because a search finds further work on the way.
     """
     began: float | None = None
     due, wait = EARLY, EARLY
@@ -158,7 +159,7 @@ def lines_of_search(
 
 
 class _Lines(logging.Handler):
-    """Prints log messages on the standard error of that moment."""
+    """Prints log messages on the standard error that is current at the time of the message."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one message."""
@@ -166,7 +167,7 @@ class _Lines(logging.Handler):
 
 
 def tell_of_delays() -> None:
-    """Print, from now on, the log messages of compiling, of a campaign's slow points and of much memory."""
+    """Print, from now on, log messages about compilation, slow points of a campaign, and large use of memory."""
     for name in ("lapjoint.compiled.compiling", "lapjoint.campaigns.pace", "lapjoint.machine.memory"):
         logger = logging.getLogger(name)
         if not any(isinstance(handler, _Lines) for handler in logger.handlers):

@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 @click.command()
 @problem_options
 @solver_options
-@click.option("--state", default="all", show_default=True, help="Names of the closed stops (P2+P4), free, 1-9, or all.")
-@click.option("--hz", is_flag=True, help="Print frequencies in Hz, not angular frequencies in rad/s.")
-@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the frequencies to FILE as JSON too.")
+@click.option("--state", default="all", show_default=True, help="Names of closed stops (P2+P4), free, 1-9, or all.")
+@click.option("--hz", is_flag=True, help="Print frequencies in Hz instead of angular frequencies in rad/s.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Also write the frequencies to FILE as JSON.")
 @click.option(
     "--figure",
     metavar="FILE",
     type=FILE,
-    help="Draw the mode shapes (of several states the first three): .png, .svg or .pdf.",
+    help="Draw the mode shapes to FILE, .png, .svg or .pdf; if there are several states, three shapes of each.",
 )
 def modes(
     problem: str,
@@ -66,7 +66,7 @@ def modes(
 @click.command()
 @problem_options
 @solver_options
-@click.option("--duration", type=float, help="Time to simulate from the initial state, s; by default a record's.")
+@click.option("--duration", type=float, help="Time to simulate from the initial state, s; by default the record's.")
 @answer_options
 def simulate(
     problem: str,
@@ -94,7 +94,7 @@ def simulate(
 @problem_options
 @solver_options
 @answer_options
-@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the impulses to FILE as JSON.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the steady state to FILE as JSON.")
 def steady(
     problem: str,
     overrides: tuple[str, ...],
@@ -122,7 +122,7 @@ def steady(
 
 
 def write_results(history: History, files: AnswerFiles, series: dict[str, Any], drawing: dict[str, Any]) -> None:
-    """Write the files asked for; `series` is what `time_series` takes, `drawing` what the figure does."""
+    """Write the files that were requested; `series` are arguments of `time_series`, `drawing` those of the figure."""
     if files.contacts:
         from lapjoint.answers.contact_files import write_contacts
 

@@ -1,8 +1,8 @@
-"""The way into the command ``lapjoint``: Ctrl-C ends it with one line and status 130, whatever is going on.
+"""Entry point of the command ``lapjoint``: Ctrl-C ends it at any time, with one line and status 130.
 
-Python raises KeyboardInterrupt in the middle of any code.  While modules are imported and functions compiled, that code
-may turn the exception into another error, or be unable to raise any.  Ctrl-C is therefore remembered, and raised again
-where it was lost.  Only the standard library is imported before this is set up.
+Python raises KeyboardInterrupt in the middle of any code.  Code that imports modules or compiles functions may turn
+this exception into another error, or lose it.  Ctrl-C is therefore remembered, and raised again if it was lost.  Only
+the standard library is imported before the handlers are installed.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from types import FrameType, TracebackType
 
 INTERRUPTED = 130
-"""Exit status after Ctrl-C: 128 and the number of the signal, as shells have it."""
+"""Exit status after Ctrl-C: 128 plus the number of the signal, as shells define it."""
 
 
 class _Interrupts:
-    """Takes Ctrl-C, remembers it, and handles errors that nothing catches."""
+    """Handlers of Ctrl-C, which is remembered, and of errors that no code catches."""
 
     def __init__(self) -> None:
         self._pressed = False
@@ -35,20 +35,20 @@ class _Interrupts:
         raise KeyboardInterrupt
 
     def ended(self, status: object) -> None:
-        """Ignore Ctrl-C when the command has ended; raise one that the command swallowed."""
+        """Ignore Ctrl-C from now on, as the command has ended; raise one that the command lost."""
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         if self._pressed and status != INTERRUPTED:
             raise KeyboardInterrupt
 
     def _raise_again(self, lost: sys.UnraisableHookArgs) -> None:
-        """Raise Ctrl-C again, soon, that was lost where nothing can be raised, as in a destructor."""
+        """Raise Ctrl-C again a moment later, if it was lost where no exception can be raised, e.g. in a destructor."""
         if isinstance(lost.exc_value, KeyboardInterrupt):
             _thread.start_new_thread(_interrupt_soon, ())
         elif not self._pressed:
             self._unraisable(lost)
 
     def _end(self, kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
-        """End the process; after Ctrl-C every error is taken for its consequence."""
+        """End the process; any error after Ctrl-C counts as a consequence of Ctrl-C, and is not shown."""
         if not self._pressed:
             self._uncaught(kind, error, trace)
             return

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import click
 
 from lapjoint.cli.completing import FILE
@@ -13,7 +11,7 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
 @click.command()
 @problem_options
 @solver_options
-@click.option("--duration", type=float, help="Duration of each motion, s, its start included; by default a record's.")
+@click.option("--duration", type=float, help="Duration of each motion, s, with its start; by default the record's.")
 @click.option("--seeds", type=int, default=1, show_default=True, help="Number of realisations of random excitation.")
 @click.option("--at", metavar="x=X,X,..", help="Places, m.  [default: the stops and the free ends]")
 @click.option(
@@ -29,7 +27,7 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     help="Length of the start that is left out, s.  [default: 7 decay times of the slowest mode]",
 )
 @click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in the slowest mode's period]")
-@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Write the statistics to FILE as JSON too.")
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Also write the statistics to FILE as JSON.")
 @campaign_options(out_required=False)
 def statistics(
     problem: str,
@@ -46,10 +44,9 @@ def statistics(
 ) -> None:
     """Summarise long motions of PROBLEM: peaks, RMS, contacts and their distributions, with 95 % intervals.
 
-    Interrupted in any way, the same command resumes, if it has --out.
+    If a command with --out is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns.running import solve_job
-    from lapjoint.campaigns.statistics.running import StatisticsJob
+    from lapjoint.campaigns.statistics.job import StatisticsJob
     from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments, printing, statistics_printing
     from lapjoint.cli.finding import found_or_stored
@@ -69,7 +66,7 @@ def statistics(
         settle,
         rate,
     )
-    found = found_or_stored(plan, "statistics", "these statistics", partial(solve_job, StatisticsJob(plan)), work)
+    found = found_or_stored(StatisticsJob(plan), "statistics", "these statistics", work)
     statistics_printing.print_statistics(found, this)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))

@@ -1,4 +1,4 @@
-"""Statistics as the command line shows them, in 80 columns, and as its JSON files hold them."""
+"""Printing of statistics by the command line, in 80 columns, and their content in JSON files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _NAME = 28
 """Width of the column of quantities or stops, characters."""
 _SHARES = (0.5, 0.9, 0.99)
-"""Shares of contacts whose quantiles are printed."""
+"""Fractions of all contacts at which quantiles are printed."""
 _OF_STOPS = {
     "contact_rate": "Contacts a second",
     "contact_time": "Share of time in contact",
@@ -37,7 +37,7 @@ _OF_CONTACTS = {
 
 
 def print_statistics(found: xr.Dataset, problem: Problem) -> None:
-    """Print the settings, and the values at places and of stops with their intervals."""
+    """Print the settings, and the values at places and at stops with their intervals."""
     of = found.attrs
     echo(plain(of["title"]))
     done, units = int(of["seeds"]) - int(of["failed"]), int(of["units"])
@@ -56,7 +56,8 @@ def print_statistics(found: xr.Dataset, problem: Problem) -> None:
 
 
 def statistics_summary(found: xr.Dataset) -> dict[str, Any]:
-    """Statistics as JSON holds them: attributes, coordinates, and of each variable units, values and intervals."""
+    """The content of a JSON file of statistics: attributes, coordinates, and units, values and intervals of each
+    variable."""
     variables: dict[str, Any] = {}
     for name, variable in found.data_vars.items():
         if not str(name).endswith("_interval"):
@@ -118,7 +119,8 @@ def _print_stops(found: xr.Dataset) -> None:
 
 
 def quantiles(counts: FloatArray, low: FloatArray, high: FloatArray) -> list[float]:
-    """Quantiles at `_SHARES` of contacts, from counts in bins, (m,); logarithmic within a bin from `low` to `high`."""
+    """Quantiles at the fractions `_SHARES`, from counts in bins, shape (m,), interpolated logarithmically from `low` to
+    `high` of a bin."""
     total = counts.cumsum()
     if not total.size or not total[-1]:
         return [np.nan] * len(_SHARES)
@@ -135,5 +137,5 @@ def _interval(value: float, ends: FloatArray) -> str:
 
 
 def _short(value: float) -> str:
-    """A number in four digits; a question mark where nothing is known."""
+    """A number in four digits; a question mark if it is unknown."""
     return f"{value:11.4g}" if np.isfinite(value) else f"{'?':>11}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -19,37 +18,37 @@ from lapjoint.errors import InputError
 @solver_options
 @click.option("--from", "first", type=float, help="First excitation frequency, rad/s.")
 @click.option("--to", "last", type=float, help="Last excitation frequency, rad/s.")
-@click.option("--step", type=float, default=1.0, show_default=True, help="Step between them, rad/s.")
-@click.option("--hz", is_flag=True, help="--from, --to and --step are in Hz; the file holds rad/s all the same.")
+@click.option("--step", type=float, default=1.0, show_default=True, help="Step from one frequency to the next, rad/s.")
+@click.option("--hz", is_flag=True, help="--from, --to and --step are in Hz; frequencies in the file are in rad/s.")
 @click.option(
     "--over",
     "fields",
     multiple=True,
     metavar="PATH=VALUES",
-    help="Another parameter of the problem, as in stops.*.gap=1e-3:3e-3:5 (from:to:count) or "
-    "damping.ratio=0.02,0.08; repeatable: all combinations.",
+    help="Another parameter to vary, e.g. stops.*.gap=1e-3:3e-3:5 (from:to:count) or damping.ratio=0.02,0.08; "
+    "repeatable: the grid then has all combinations.",
 )
 @click.option(
     "--start",
     type=click.Choice(["rest", "up", "down", "random"]),
     default="rest",
     show_default=True,
-    help="Where each motion starts: at the problem's initial state; where the motion before it settled, along the "
-    "first axis upwards or downwards; at random states.",
+    help="Start of each motion.  rest: the problem's initial state; up, down: the steady state at the previous point, "
+    "along the first axis upwards or downwards; random: random states.",
 )
-@click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; further ones are random.")
+@click.option("--starts", type=int, default=1, show_default=True, help="Starts at each point; after the first, random.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the random states.")
 @click.option(
-    "--sensitivity", is_flag=True, help="Measure how much deviations grew on the way too; takes about as long again."
+    "--sensitivity", is_flag=True, help="Also measure the growth of deviations on the way; takes about as long again."
 )
 @click.option(
-    "--errors", is_flag=True, help="Estimate the numerical errors of the impulses too; takes less than as long again."
+    "--errors", is_flag=True, help="Also estimate numerical errors of the impulses; at most doubles the time."
 )
 @click.option(
     "--summary",
     metavar="NAME,NAME,..",
-    help="Further variables of each motion: <quantity>_peak or <quantity>_rms, the largest along the beam, as "
-    "stress_peak; force_peak, force_rms, contact_time and contact_rate of each stop.",
+    help="Further variables of each motion.  Largest values along the beam: <quantity>_peak or <quantity>_rms, e.g. "
+    "stress_peak.  Of each stop: force_peak, force_rms, contact_time, contact_rate.",
 )
 @campaign_options(out_required=True)
 def sweep(
@@ -71,9 +70,11 @@ def sweep(
 ) -> None:
     """Find the steady state of PROBLEM at every point of a grid of excitation frequencies or other parameters.
 
-    Interrupted in any way, the same command resumes.
+    If the command is interrupted, run it again: it resumes.
     """
-    from lapjoint.campaigns import Grid, Plan, solve
+    from lapjoint.campaigns.grid import Grid
+    from lapjoint.campaigns.sweep.job import SweepJob
+    from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments, printing
     from lapjoint.cli.finding import found_or_stored
 
@@ -82,7 +83,7 @@ def sweep(
     this = arguments.problem_from(problem, overrides)
     further = () if summary is None else arguments.names_from(summary)
     plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
-    found = found_or_stored(plan, "sweep", "this sweep", partial(solve, plan), work)
+    found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
 
@@ -90,20 +91,21 @@ def sweep(
 @click.command()
 @click.argument("curve", type=FILE)
 @click.option(
-    "-o", "--out", "figure", metavar="FILE", type=FILE, help="Where the figure goes; by default CURVE with .pdf."
+    "-o", "--out", "figure", metavar="FILE", type=FILE, help="File of the figure; by default CURVE with .pdf."
 )
-@click.option("--wide", is_flag=True, help="Page-wide: a panel for each stop, and what was established, in colour.")
+@click.option("--wide", is_flag=True, help="Page-wide figure of a sweep: a panel for each stop, outcomes in colour.")
 @click.option("--hz", is_flag=True, help="Draw the frequencies of a sweep in Hz.")
 @click.option(
     "--variable",
     metavar="NAME",
-    help="Variable of a sweep to draw in place of the impulses, as stress_peak if --summary put it into CURVE.",
+    help="Variable of a sweep to draw in place of the impulses, e.g. stress_peak after --summary stress_peak.",
 )
 def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
     """Draw the results of `lapjoint sweep`, `lapjoint branch` or `lapjoint basins` from their file CURVE.
 
-    Of a sweep and of branches, the impulse of each stop over the parameter; of branches in two parameters, the loci of
-    their bifurcations; of basins, which motion each start ends in, or the share of each motion.
+    The figure of a sweep or of branches shows the impulse of each stop over the parameter; of branches in two
+    parameters, the loci of their bifurcations; of basins, the motion in which each start ends, or the fraction of
+    starts that end in each motion.
     """
     from lapjoint.campaigns.basins.spec import BasinPlan
     from lapjoint.campaigns.branches.spec import BranchSpec

@@ -70,7 +70,7 @@ def njit_inner(**options: Any) -> Callable[[F], F]:
     return njit_called(no_cpython_wrapper=True, **options)
 
 
-class _Listener(event.Listener):  # type: ignore[misc]
+class Listener(event.Listener):  # type: ignore[misc]
     """Told by numba of everything that it compiles, while it holds its lock."""
 
     def __init__(self) -> None:
@@ -101,4 +101,4 @@ class _Listener(event.Listener):  # type: ignore[misc]
 
 
 spare_llvm()
-event.register("numba:compile", _Listener())
+event.register("numba:compile", Listener())

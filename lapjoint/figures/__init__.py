@@ -1,8 +1,7 @@
 """Figures of answers, drawn with matplotlib and without a display.
 
-Each function takes an answer, and axes to draw on if the caller has them; it returns the axes, which `save` writes as
-PNG, SVG or PDF.  All figures share one style, `lapjoint.figures.style`, and convert SI units to the units on their
-axes.
+Each function takes an answer and, optionally, axes to draw on.  It returns the axes, which `save` writes as PNG, SVG or
+PDF.  All figures share one style, `lapjoint.figures.style`, and convert SI units to the units on their axes.
 """
 
 from lapjoint.figures.basins import plot_basins

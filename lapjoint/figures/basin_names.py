@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _DIGITS = (4, 6, 9)
-"""Significant digits of an impulse in a name: as few as tell the motions apart."""
+"""Numbers of significant digits of an impulse in a name; the first that gives each motion another name is used."""
 
 
 def motion_names(one: xr.Dataset, numbered: bool = True) -> list[str]:

@@ -1,6 +1,6 @@
-"""Basins drawn: which motion each start of a plane ends in, or the share of starts that end in each.
+"""Figures of basins: the motion in which each start of a plane ends, or the fraction of starts that end in each motion.
 
-Starts that are bound to no motion are grey and hatched.
+Starts that end in no known motion are grey and hatched.
 """
 
 from __future__ import annotations
@@ -31,19 +31,20 @@ _PALER = 0.45
 """Fraction of white that is mixed into the colours each time they are used again, from the seventh motion on."""
 _HATCH = "//////"
 _UNBOUND = (0.85, 0.85, 0.85)
-"""Colour of starts that are bound to no motion."""
+"""Colour of starts that end in no known motion."""
 
 
 @style()
 def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
-    """Draw basins: a plane of starts, shares along a parameter that was varied, or shares of random starts.
+    """Draw basins: a plane of starts, or the fractions of starts that end in each motion, along a varied parameter if
+    there is one.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Dataset of `lapjoint.basins`.
     axes : matplotlib.axes.Axes, optional
-        Axes to draw on; by default those of a figure of their own.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------
@@ -64,7 +65,7 @@ def plot_basins(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 def _colour(number: int) -> Any:
-    """The colour of a motion: one of `COLOURS`, or a paler one where all are taken."""
+    """The colour of motion `number`, from 0: one of `COLOURS`, or a paler one if all are used."""
     from matplotlib.colors import to_rgb
 
     rounds, which = divmod(number, len(COLOURS) - 1)  # black is kept for lines
@@ -78,7 +79,7 @@ def _colours(one: xr.Dataset) -> list[Any]:
 
 
 def _samples(axes: Axes, one: xr.Dataset) -> None:
-    """Give the legend a sample of each motion in which some start ends, and of starts that are bound to none."""
+    """Add to the legend a colour sample of each motion in which some start ends, and of starts that end in none."""
     from matplotlib.patches import Rectangle
 
     def sample(label: str, **look: Any) -> None:
@@ -128,7 +129,7 @@ def _moved(dataset: xr.Dataset, name: str) -> str:
 
 
 def _draw_shares(axes: Axes, dataset: xr.Dataset) -> None:
-    """A bar for each motion, with the interval of its share."""
+    """A bar for each motion: the fraction of starts that end in it, with its interval."""
     names, colours = motion_names(dataset), _colours(dataset)
     rows = [(names[i], colours[i], "", i) for i in range(len(names))]
     bars = [(name, colour, *_share(dataset, "", i)) for name, colour, _, i in rows]
@@ -147,13 +148,14 @@ def _draw_shares(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _share(one: xr.Dataset, prefix: str, i: int) -> tuple[float, float, float]:
-    """A share, and the ends of its interval."""
+    """The fraction of starts that end in motion or outcome `i`, and the ends of its interval."""
     share, low, high = (float(one[f"{prefix}fraction{end}"].values[i]) for end in ("", "_low", "_high"))
     return share, low, high
 
 
 def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
-    """The share of each branch along the varied parameter, with its interval, and of starts bound to no motion."""
+    """The fraction of starts that end on each branch, or in no known motion, along the varied parameter, with
+    intervals."""
     dataset = dataset.sortby(name)
     x, branch = dataset[name].values, dataset.branch.values
     for number in range(int(branch.max(initial=-1)) + 1):
@@ -172,7 +174,8 @@ def _draw_along(axes: Axes, dataset: xr.Dataset, name: str) -> None:
 
 
 def _curve(axes: Axes, x: np.ndarray, rows: np.ndarray, label: str, colour: Any, number: int) -> None:
-    """A share and its interval along the varied parameter, `rows` of shape (n, 3)."""
+    """A fraction of starts along the varied parameter; `rows`, shape (n, 3), are the fraction and the ends of its
+    interval."""
     line = ":" if number < 0 else STYLES[number % len(STYLES)]
     marker = MARKERS[number % len(MARKERS)]
     axes.plot(x, rows[:, 0], color=colour, linestyle=line, marker=marker, label=label)

@@ -1,4 +1,4 @@
-"""The curve of a branch through its curve points and bifurcations; stability changes at bifurcations."""
+"""The drawn curve of a branch: a line through its curve points and bifurcations, at which stability changes."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ _FOLD, _GRAZING = KIND_NAMES.index("fold"), KIND_NAMES.index("grazing")
 
 @dataclass(frozen=True)
 class Curve:
-    """A branch as it is drawn."""
+    """The drawn curve of a branch: a polygon with corners."""
 
     x: FloatArray
     """The parameter at each corner, in its SI unit, shape ``(n,)``."""
     y: FloatArray
-    """The value drawn of each stop at each corner, shape ``(n, stops)``."""
+    """The ordinate of each stop at each corner, shape ``(n, stops)``."""
     stable: npt.NDArray[np.bool_]
     """Whether motions from one corner to the next are stable, shape ``(n - 1,)``."""
 
 
 def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: FloatArray) -> Curve:
-    """A branch with a corner at each curve point, `values` (points, stops), and at each bifurcation, `heights`.
+    """The drawn curve of a branch, with a corner at each curve point and at each bifurcation.
 
-    Between two bifurcations that lie between neighbouring curve points, motions are drawn as not stable.
+    The ordinates are `values` at curve points, shape (points, stops), and `heights` at bifurcations.  Between two
+    bifurcations without a curve point between them, motions are drawn as unstable.
     """
     x, stable = dataset[parameter_of(dataset)].values, dataset.stable.values == 1
     at, kinds = dataset.bifurcation_point.values, dataset.bifurcation_kind.values
@@ -46,7 +47,7 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
         corners.append((x[i], values[i]))
         if between:
             parts += [bool(stable[i - 1]), *[False] * (len(between) - 1), bool(stable[i])]
-        else:  # stability changes at a graze at the first of the two points, or else at the second point
+        else:  # stability changes at the first of the two points if that is a graze, else at the second point
             grazes = any(at[j] == i - 1 and kinds[j] == _GRAZING for j in own.tolist())
             parts.append(bool(stable[i] if grazes else stable[i - 1]))
     return Curve(
@@ -57,9 +58,9 @@ def curve_of(dataset: xr.Dataset, branch: int, values: FloatArray, heights: Floa
 
 
 def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> FloatArray:
-    """The value to draw of each stop at each bifurcation, (bifurcations, stops), from `values` at curve points.
+    """The ordinate of each stop at each bifurcation, (bifurcations, stops), from `values` at curve points.
 
-    Impulses are known at most bifurcations.  An unknown value is taken from the graze's curve point, or
+    Most bifurcations have their own impulses.  Other ordinates are, for a graze, the values at its curve point, else
     interpolated between the curve points on either side.
     """
     heights = np.array([_beside(dataset, j, values) for j in range(dataset.sizes["bifurcation"])])
@@ -71,7 +72,8 @@ def heights_of(dataset: xr.Dataset, values: FloatArray, *, impulses: bool) -> Fl
 
 
 def _beside(dataset: xr.Dataset, j: int, values: FloatArray) -> FloatArray:
-    """Values at a bifurcation from the curve points beside it; at a fold the parameter is quadratic in them."""
+    """Values at a bifurcation from the neighbouring curve points; at a fold the parameter is quadratic in the
+    values."""
     x, branch = dataset[parameter_of(dataset)].values, dataset.branch.values
     i = min(int(dataset.bifurcation_point.values[j]), x.size - 1)
     kind = int(dataset.bifurcation_kind.values[j])

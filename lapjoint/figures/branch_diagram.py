@@ -1,4 +1,4 @@
-"""Branches of periodic motions: stable ones solid, unstable ones dashed, bifurcations marked with their names."""
+"""The diagram of branches: stable motions solid, unstable motions dashed, bifurcations marked and named."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ORDINATES = {"impulse": "impulse in a period [N s]", "peak_force": "largest force [N]"}
-"""Variables that a diagram may show, and the labels of their axes."""
+"""Variables that a diagram can show, and the labels of their axes."""
 _SOLID, _DASHED = "-", (0, (2.5, 1.5))
 """Line patterns of stable and unstable motions; colour alone tells the stops apart."""
 _ALIKE = 1e-6
-"""Relative difference of the values of twin stops up to which rounding, or the choice of curve points, explains it."""
+"""Largest relative difference of the values of two stops that counts as equal: rounding, or the choice of curve points,
+explains it."""
 
 
 @style()
@@ -75,7 +76,7 @@ def plot_branches(dataset: xr.Dataset, axes: Axes | None = None, *, ordinate: st
 
 
 def _draw(axes: Axes, curve: Curve, stop: int) -> None:
-    """One branch of one stop: stable parts solid, unstable ones dashed."""
+    """Draw one branch of one stop: stable parts solid, unstable parts dashed."""
     colour, stable = COLOURS[stop % len(COLOURS)], curve.stable
     edges = [0, *(np.flatnonzero(stable[1:] != stable[:-1]) + 1).tolist(), stable.size]
     for first, last in pairwise(edges):
@@ -84,7 +85,7 @@ def _draw(axes: Axes, curve: Curve, stop: int) -> None:
 
 
 def _mark(axes: Axes, dataset: xr.Dataset, values: FloatArray, heights: FloatArray) -> None:
-    """Mark bifurcations on the curve of the stop that is pressed hardest, the first of twins that are pressed alike."""
+    """Mark bifurcations on the curve of the stop with the largest value, the first if several have equal values."""
     most = np.abs(values).max(axis=0, initial=0.0)
     stop = int(np.argmax(most >= (1 - _ALIKE) * most.max()))
     kinds = dataset.bifurcation_kind.values

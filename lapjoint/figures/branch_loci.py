@@ -1,4 +1,4 @@
-"""Loci of bifurcations in two parameters: a look for each name, a line along each bifurcation."""
+"""The figure of loci of bifurcations in two parameters: one line for each locus, one line style for each name."""
 
 from __future__ import annotations
 
@@ -64,13 +64,13 @@ def plot_loci(dataset: xr.Dataset, axes: Axes | None = None) -> Axes:
 
 
 def _look(i: int) -> dict[str, Any]:
-    """The look of the loci of a name."""
+    """The line style of the loci with name number `i`."""
     look: dict[str, Any] = {"markersize": 3.0, "markerfacecolor": "white", "markeredgewidth": 0.7, "linewidth": 0.9}
     which = {"color": COLOURS, "linestyle": STYLES, "marker": MARKERS}
     return {**look, **{key: one[i % len(one)] for key, one in which.items()}}
 
 
 def _widened(values: np.ndarray) -> tuple[float, float]:
-    """The range of values, shape ``(n,)``, with some room for marks at its ends."""
+    """The range of values, shape ``(n,)``, widened by room for marks at its ends."""
     room = 0.02 * float(np.ptp(values)) or 1.0
     return float(values.min()) - room, float(values.max()) + room

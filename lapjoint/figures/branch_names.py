@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 KIND_NAMES = ("fold", "flip", "Neimark-Sacker", "symmetry breaking", "grazing")
-"""Names of bifurcations, in the sequence of their codes in a dataset."""
+"""Names of bifurcations, in the order of their codes in a dataset."""
 _GRAZING = KIND_NAMES.index("grazing")
 
 
@@ -18,12 +18,13 @@ def parameter_of(dataset: xr.Dataset) -> str:
 
 
 def second_parameter_of(dataset: xr.Dataset) -> str | None:
-    """The name of the second parameter; None where there is only one problem."""
+    """The name of the second parameter; None if the branches have one parameter only."""
     return next((str(name) for name, one in dataset.coords.items() if "path" in one.attrs), None)
 
 
 def bifurcation_name(dataset: xr.Dataset, j: int) -> str:
-    """The name of a bifurcation: ``fold``, or ``first grazing of P4``, with the stop, where it is the first contact."""
+    """The name of a bifurcation: ``fold``, ``grazing of P4``, or ``first grazing of P4`` if the motion has no other
+    contact."""
     kind = int(dataset.bifurcation_kind.values[j])
     if kind != _GRAZING:
         return KIND_NAMES[kind]
@@ -32,7 +33,7 @@ def bifurcation_name(dataset: xr.Dataset, j: int) -> str:
 
 
 def locus_name(dataset: xr.Dataset, j: int) -> str:
-    """The name of the locus on which a bifurcation lies: its kind, and its period multiple where that is not one."""
+    """The name of the locus on which a bifurcation lies: its kind, and its period multiple if that is not 1."""
     point = min(int(dataset.bifurcation_point.values[j]), dataset.sizes["point"] - 1)
     multiple = int(dataset.period_multiple.values[point])
     return bifurcation_name(dataset, j) + (f", {multiple} periods" if multiple > 1 else "")

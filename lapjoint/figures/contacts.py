@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_STEMS = 200
-"""Number of contacts above which markers are small and have no lines to the axis."""
+"""Number of contacts above which markers are small, and have no stems to the axis."""
 _NAMES_SHARE = 0.3
 """Largest fraction of the figure's width that the names of states take."""
 
@@ -37,8 +37,8 @@ _NAMES_SHARE = 0.3
 def plot_contact_impulses(history: History, axes: Axes | None = None) -> Axes:
     """Draw the impulse of each contact over the time at which it starts, top positive, bottom negative.
 
-    Each contact has a marker of its stop's colour and shape.  The marker is hollow where an end of the history cuts the
-    contact, so that the impulse is only a part of the whole.
+    Each contact has a marker in the colour and shape of its stop.  The marker is hollow if an end of the history cuts
+    the contact, so that the impulse is incomplete.
 
     Parameters
     ----------
@@ -99,8 +99,8 @@ def _impulses(contacts: list[Contact]) -> tuple[list[float], list[float]]:
 def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     """Draw the contact state over time: a row for each state that occurs, with a bar for each of its intervals.
 
-    The share of the time that each state takes stands at the end of its row.  The rows of the paper's joint are named
-    by the paper's numbers (Table 1), rows of other joints by their closed stops.
+    The fraction of time spent in a state is written at the end of its row.  The rows of the paper's joint are named by
+    the paper's numbers (Table 1), rows of other joints by their closed stops.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
     duration = history.end - history.start
     for row, state in enumerate(states):
         colour = COLOURS[(len(state.closed) - 1) % len(COLOURS)] if state.closed else GREY
-        # One collection for all bars: quick with thousands of switches.
+        # One collection for all bars, which is fast with thousands of switches.
         axes.broken_barh(intervals[state], (row - 0.36, 0.72), **faint_if_thin(colour))
         share = sum(length for _, length in intervals[state]) / duration if duration else 1.0
         axes.text(1.01, row, f"{share:.1%}", transform=axes.get_yaxis_transform(), va="center", fontsize=7)
@@ -136,7 +136,7 @@ def plot_contact_states(history: History, axes: Axes | None = None) -> Axes:
 
 
 def state_intervals(history: History) -> dict[ContactState, list[tuple[float, float]]]:
-    """Start and duration, s, of each interval that a motion spends in each contact state; none has no duration."""
+    """Start and duration, s, of each interval that a motion spends in each contact state; durations are above zero."""
     edges = np.concatenate([[history.start], history.switch_times, [history.end]]).tolist()
     intervals: dict[ContactState, list[tuple[float, float]]] = {}
     for state, (start, end) in zip(history.states, pairwise(edges), strict=True):

@@ -33,8 +33,8 @@ def plot_convergence(
     """Draw the relative error over resolution on logarithmic axes, with the observed order in the legend.
 
     The order of convergence is the slope of the least-squares line through the logarithms of the drawn points whose
-    error is above `floor`.  Where the errors are taken against the finest resolution instead of a reference, the order
-    comes out too high, because the last errors lack the error of the finest resolution.
+    error is above `floor`.  Without a `reference`, errors are differences from the finest resolution.  The observed
+    order is then too high, because the last of these differences are smaller than the true errors.
 
     Parameters
     ----------
@@ -42,17 +42,17 @@ def plot_convergence(
         From resolution, a number of elements or modes, to an answer: a number, or any object that `quantity` reduces
         to one.
     axes : matplotlib.axes.Axes, optional
-        Where to draw; by default on a new figure.  Further studies on the same axes take further colours and markers.
+        Where to draw; by default on a new figure.  Each further study on the same axes has another colour and marker.
     quantity : callable, optional
-        From an answer to the number whose convergence is looked at; needed where the answers are not numbers.
+        From an answer to the number whose convergence is drawn; needed if the answers are not numbers.
     reference : float, optional
-        The value that errors are relative to; by default the value of the finest resolution, which then is not drawn.
+        The true value; by default the value of the finest resolution, which is then not drawn.
     order : float, optional
         Order of convergence of a thin reference line through the coarsest point.
     label : str, optional
         Name of the study in the legend.
     floor : float
-        Relative errors up to this one are taken for rounding, and left out of the fit.
+        Relative errors up to this size count as rounding, and are left out of the fit.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def plot_convergence(
 def _numbers(
     answers: Mapping[int, Answer], quantity: Callable[[Answer], float] | None
 ) -> tuple[FloatArray, FloatArray]:
-    """Resolutions, ascending, and a number for each."""
+    """Resolutions, ascending, and the number for each resolution, each (n,)."""
     for resolution in answers:
         if not 0 < resolution < math.inf:
             raise InputError(f"answers: resolution {resolution} must be positive and finite")
@@ -113,7 +113,8 @@ def _number(resolution: float, answer: Answer, quantity: Callable[[Answer], floa
 
 
 def _draw_slope(axes: Axes, resolutions: FloatArray, error: FloatArray, order: float) -> None:
-    """A thin line of slope -`order` from the coarsest point with an error, once for each order."""
+    """Draw a thin line of slope -`order` from the coarsest point with an error, unless the axes have one of this
+    order."""
     label = f"reference, order {order:g}"
     if label in {str(line.get_label()) for line in axes.lines} or not np.any(error > 0):
         return
@@ -123,7 +124,7 @@ def _draw_slope(axes: Axes, resolutions: FloatArray, error: FloatArray, order: f
 
 
 def _set_ticks(axes: Axes) -> None:
-    """Ticks at the resolutions drawn, written as they are, as far as there is room."""
+    """Set ticks at the drawn resolutions, as plain numbers, as far as there is room."""
     from matplotlib.ticker import NullLocator
 
     drawn = sorted({float(x) for line in axes.lines for x in np.asarray(line.get_xdata(), dtype=float)})

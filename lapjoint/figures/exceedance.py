@@ -1,4 +1,4 @@
-"""The figure of how often contacts are how hard: rates of exceedance with their intervals."""
+"""The figure of exceedance: the rate of contacts that reach or exceed a value, with intervals."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _LABELS = {
 
 @style()
 def plot_exceedance(dataset: xr.Dataset, axes: Axes | None = None, *, quantity: str = "impulse") -> Axes:
-    """Draw how many contacts a second reach or exceed a value, of each stop, with 95 % intervals as bands.
+    """Draw the number of contacts a second that reach or exceed a value, of each stop, with 95 % intervals as bands.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        From `lapjoint.statistics`.
+        Dataset of `lapjoint.statistics`.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     quantity : str
@@ -39,12 +39,12 @@ def plot_exceedance(dataset: xr.Dataset, axes: Axes | None = None, *, quantity: 
     Returns
     -------
     matplotlib.axes.Axes
-        The axes drawn on, both logarithmic, in SI units and 1/s.
+        The axes drawn on, both logarithmic: the value in its SI unit, the rate in 1/s.
 
     Raises
     ------
     InputError
-        If the quantity is none of these, or no stop was touched.
+        If there is no such quantity, or no stop was touched.
     """
     if quantity not in OF_CONTACTS:
         raise InputError(f"quantity = {quantity!r}: allowed are {', '.join(OF_CONTACTS)}")

@@ -1,7 +1,8 @@
-"""The impulses that a sweep found, or other numbers of its motions, drawn one column wide, as in the paper's Figure 4.
+"""The figure of a sweep, one column wide: impulses, as in the paper's Figure 4, or another variable of its motions.
 
-Several starts are drawn as points.  A second swept field is drawn as one line for each of its values, the last one
-darkest.  A line ends where the motion changes its kind, or the impulse jumps.  Motions that do not repeat are marked.
+A sweep with several starts is drawn as points.  A second swept field is drawn as one line for each of its values, the
+last value darkest.  A line is interrupted where the kind of motion changes, or the impulse jumps.  Motions that do not
+repeat have hollow marks.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ if TYPE_CHECKING:
 JUMP, STEEP = 4.0, 0.04
 """A line breaks between two points whose impulses differ by more than `JUMP` times the differences on either side, and
 by more than the fraction `STEEP` of the range of all impulses."""
-_PALEST = 0.35  # opacity of the line of the first of several values
-_SHOWN = 4  # values of a second field in the legend; of more, the first and the last
+_PALEST = 0.35  # opacity of the line of the first value of a second field
+_SHOWN = 4  # most values of a second field in the legend; if there are more, only the first and the last
 
 
 @style()
 def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str = IMPULSE) -> Axes:
     """Draw the impulse of every stop over the first swept field, top positive, bottom negative, one column wide.
 
-    Other numbers of the motions are drawn likewise: of each stop, or where they are largest along the beam.
+    Another `variable` is drawn in the same way: for each stop, or the largest value along the beam.
 
     Parameters
     ----------
@@ -89,10 +90,11 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
 
 
 def motion_kinds(dataset: xr.Dataset) -> xr.DataArray:
-    """A number for the kind of motion at each point of a sweep, without ``stop``; one line may join points of one kind.
+    """A number for the kind of motion at each point of a sweep, without dimension ``stop``; lines join points of one
+    kind.
 
-    The number is the period multiple, with a half for a motion that mirrors itself; `ERRATIC` where the motion does not
-    repeat, NaN where there is none.
+    The number is the period multiple, plus 0.5 for a symmetric motion; `ERRATIC` if the motion was not found to repeat,
+    NaN if the solver failed.
     """
     kinds: xr.DataArray = (dataset.period_multiple + 0.5 * dataset.symmetric).where(
         dataset.period_multiple > 0, ERRATIC
@@ -105,7 +107,7 @@ ERRATIC = 0.0
 
 
 def in_pieces(y: FloatArray, kinds: FloatArray) -> list[slice]:
-    """The runs of points that one line may join, of values `y` (n,) and their `motion_kinds` (n,), in order."""
+    """Slices of points that one line joins, in order, of values `y`, (n,), with `motion_kinds`, (n,)."""
     steps = np.abs(np.diff(y))
     around = np.maximum(np.append(0.0, steps[:-1]), np.append(steps[1:], 0.0))
     range_of = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
@@ -127,8 +129,8 @@ def draw_line(
 ) -> None:
     """Draw lines of `y`, (n,) or (n, starts), over `x`, (n,), with marks on motions that do not repeat.
 
-    Points are drawn where there are several starts or only one swept value.  `kinds`, of the shape of `y`, are
-    `motion_kinds`; without them one line joins all points.
+    Points are drawn instead of lines if there are several starts, or only one swept value.  `kinds` are the
+    `motion_kinds`, of the shape of `y`; by default one line joins all points.
     """
     kinds = np.ones(y.shape) if kinds is None else kinds
     erratic = kinds == ERRATIC
@@ -154,7 +156,7 @@ def _opacity(i: int, count: int) -> float:
 
 
 def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
-    """Legend entries that say which value of the second field is how dark."""
+    """Add a legend entry for each value of the second field, in the opacity of its line."""
     if second is None:
         return
     values = dataset[second].values
@@ -164,7 +166,7 @@ def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
 
 
 def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
-    """A legend entry for the marks of motions that do not repeat, where there are some."""
+    """Add a legend entry for the marks of motions that do not repeat, if there are any."""
     if any((kind == ERRATIC).any() for kind in kinds):
         axes.plot([], [], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=GREY, label="does not repeat")
 

@@ -1,7 +1,7 @@
-"""A sweep drawn as wide as a page: the impulse of each stop, and the outcome at each point.
+"""The figure of a sweep, as wide as a page: the impulse of each stop, and the outcome at each point.
 
-A second swept field is drawn as one line for each value, or as a map where it has many values.  Several starts are
-drawn as points.
+A second swept field is drawn as one line for each value, or as a map if it has many values.  A sweep with several
+starts is drawn as points.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ IntArray = NDArray[np.int64]
 _NAME_ROOM = 4.5
 """Largest width of a stop's name above its panel, inches: room for sixty characters."""
 MOST_LINES = 7
-"""Largest number of values of a second field that are drawn as lines, one a colour; more are drawn as a map."""
+"""Largest number of values of a second field that are drawn as lines, each in its colour; more values are drawn as a
+map."""
 OUTCOME_COLOURS = {
     "no_contact": "#DDDDDD",
     "periodic": "#56B4E9",
@@ -66,7 +67,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
     Returns
     -------
     tuple of matplotlib.axes.Axes
-        The panels of the stops, in their order, or one of the beam, and last the strip.
+        The panels of the stops, in their order, or one panel of the beam; then the strip.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Legends that fit above their axes, whatever the number of entries and the length of their names."""
+"""Legends that fit above their axes, with any number of entries and any length of their names."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from typing import Any
 from lapjoint.figures.text import SMALL, apart, literal, shortened, width_of
 
 HANDLE, BETWEEN = 2.0, 1.2
-"""Width of a line's sample, and distance of two columns, in sizes of the text."""
+"""Width of the sample of a line, and distance between columns, divided by the size of the text."""
 LINE = 1.5 * SMALL / 72.0
-"""Height of a line of a legend, inches: one and a half times the size of its text."""
+"""Height of a line of a legend, inches: 1.5 times the size of its text."""
 _EM = SMALL / 72.0
 _SAMPLE = (HANDLE + 0.8) * _EM
-"""Width of a line's sample and of the space after it, inches."""
+"""Width of the sample of a line, and of the space after it, inches."""
 
 
 def legend_that_fits(
     handles: list[Any], labels: list[str], room: float, lines: int
 ) -> tuple[list[Any], list[str], int]:
-    """Handles and shortened labels of a legend, and the number of columns that fit side by side into a width, inches.
+    """Handles and shortened labels of a legend, and the number of columns that fit into the width `room`, inches.
 
-    Where the entries would take more than `lines` lines (two at least), the last ones are left out, and a last label
-    with an empty handle says how many.
+    If the entries need more than `lines` lines, and more than two, the last entries are left out.  A last label with an
+    empty handle then gives their number.
     """
     room -= 0.8 * _EM  # the legend's own margins
     labels = apart(labels, lambda label: shortened(label, room - _SAMPLE))
@@ -46,7 +46,8 @@ def _more(labels: list[str], kept: int) -> str:
 
 
 def _columns(labels: list[str], room: float) -> tuple[int, int]:
-    """Columns and rows: the fewest rows in which the entries, filled column by column, fit side by side."""
+    """Numbers of columns and rows, with the fewest rows for which columns, filled one after the other, fit side by
+    side."""
     widths = [_SAMPLE + width_of(label) for label in labels]
     for rows in range(1, len(widths)):
         columns = -(-len(widths) // rows)

@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SAME = 1e-6
-"""Largest relative difference of the frequencies of two states that share their modes: far more than rounding makes,
-far less than a closed stop."""
+"""Largest relative difference of the frequencies of two states with equal modes: far more than rounding, far less than
+the effect of a closed stop."""
 MOST_PANELS = 24
-"""Largest number of groups of states that are drawn in one figure, for the panels to stay legible."""
+"""Largest number of groups of states in one figure, so that the panels are legible."""
 _NAMED = 4
 """Number of states of a group whose closed stops are written out; the others are counted."""
 _UNBROKEN, _LONGEST = 16, 60
-"""Number of characters up to which a state's name is kept on one line, and up to which it is written out."""
+"""Largest number of characters of a state's name that is kept on one line, and that is written in full."""
 _POINTS_AT_BEAM = {"bottom": 6, "top": 7}
 """Matplotlib's carets with their tip on the beam, by the stop's side."""
 
@@ -83,19 +83,19 @@ def plot_state_shapes(
     count: int = 3,
     hz: bool = False,
 ) -> tuple[Axes, ...]:
-    """Draw the first mode shapes of every contact state, with a panel for each group of states that share them.
+    """Draw the first mode shapes of every contact state, with a panel for each group of states with equal modes.
 
-    For the paper's joint the groups and their sequence are those of the paper's Table 4: state 1; 2 and 4; 3 and 5;
-    6 to 9.  Each mode is drawn with its largest deflection upwards.  Carets mark the closed stops of the group.
+    For the paper's joint the groups, in this order, are as in the paper's Table 4: state 1; 2 and 4; 3 and 5; 6 to 9.
+    Each mode is drawn with its largest deflection upwards.  Carets mark the closed stops of the group.
 
     Parameters
     ----------
     problem : Problem
         The beam and its stops.
     states_modes : sequence of Modes
-        The modes of each contact state, from any solver, in any sequence.
+        The modes of each contact state, from any solver, in any order.
     axes : sequence of matplotlib.axes.Axes, optional
-        Where to draw: a panel for each group, or an array of panels; by default on a new figure.
+        Where to draw, a panel for each group; by default on a new figure.
     count : int
         Number of modes drawn in a panel.
     hz : bool
@@ -131,7 +131,7 @@ def plot_state_shapes(
 
 
 def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
-    """Write the positions only where no panel follows below, and hide the panels that are not used."""
+    """Keep the labels of positions only on panels with no panel below, and hide unused panels."""
     for panel in panels[: used - columns]:
         panel.set_xlabel("")
         panel.tick_params(labelbottom=False)
@@ -140,7 +140,7 @@ def _tidy(panels: tuple[Axes, ...], used: int, columns: int) -> None:
 
 
 def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[Modes]]:
-    """The contact states in groups that have springs at the same positions, and so the same natural frequencies.
+    """The contact states in groups with springs at equal positions, and therefore equal natural frequencies.
 
     Groups, and the states in each group, are sorted by `lapjoint.answers.contact_state.state_order`.
     """
@@ -163,7 +163,7 @@ def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
 
 
 def upright(shape: FloatArray) -> FloatArray:
-    """A mode shape, (n,), with the sign that makes its largest deflection point upwards."""
+    """A mode shape, (n,), with the sign that makes its largest deflection positive."""
     return shape * (-1.0 if shape[np.argmax(np.abs(shape))] < 0 else 1.0)
 
 
@@ -178,7 +178,7 @@ def group_title(problem: Problem, group: Sequence[Modes], hz: bool = False) -> s
 
 
 def _unbroken(name: str) -> str:
-    """A short name with fixed spaces, so that ``P2 + P3`` stays on one line; a long name is cut."""
+    """A short name with non-breaking spaces, so that ``P2 + P3`` stays on one line; a long name is cut."""
     return name.replace(" ", "\u00a0") if len(name) <= _UNBROKEN else cut_to(name, _LONGEST)
 
 

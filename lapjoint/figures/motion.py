@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 STRIP = 0.11
 """Height of the strip of one stop, inches: the height of its name."""
 _NAME_SIZE = 6.5
-"""Size of the stops' names, points; smaller where there are too many stops for it."""
+"""Size of the stops' names, points; it is reduced if there are too many stops."""
 _NAMES_SHARE = 0.2
 """Largest fraction of the figure's width that the names of stops take."""
 
@@ -56,12 +56,12 @@ def plot_motion(
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float or sequence of float, optional
-        Positions, m; by default those of the stops, or the tip where there are no stops.
+        Positions, m; by default the positions of the stops, or the tip if there are no stops.
     samples : int
-        Number of equidistant times.  The times of the switches are added, and further times where an excitation period
-        would have fewer than 100.
+        Least number of equidistant times; there are more if a period of the fastest excitation would have fewer than
+        100.  The times of the switches are added.
     label : str, optional
-        Name of the motion in the legend, before its positions; without it, title and solver stand above the axes.
+        Name of the motion in the legend, before its positions; by default title and solver are written above the axes.
 
     Returns
     -------
@@ -76,13 +76,16 @@ def plot_motion(
     positions = _positions(history.problem, x)
     t = times_drawn(history, samples)
     axes = new_axes() if axes is None else axes
-    z = 1e3 * history.displacement(np.array(positions), t)
+    z, moved = 1e3 * history.displacement(np.array(positions), t), history.base_of_stops(t)
     for i, place in enumerate(positions):
         pattern = STYLES[i % len(STYLES)]
         name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
         axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
-        for gap in {stop.sign * stop.gap for stop in history.problem.stops if stop.x == place}:
+        here = [(k, stop) for k, stop in enumerate(history.problem.stops) if stop.x == place]
+        for gap in {stop.sign * stop.gap for _, stop in here if not stop.in_space}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
+        for face in (stop.sign * stop.gap - moved[k] for k, stop in here if stop.in_space):
+            axes.plot(t, 1e3 * face, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)), label="_face")
     _shade_contacts(axes, history, positions, t, z)
     _draw_strips(axes, history, positions)
     draw_time(axes, history.start, history.end)
@@ -106,10 +109,11 @@ def _colour(i: int) -> str:
 
 def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
     """Shade the area between gap and curve while the stop is closed; `z` is in mm, shape ``(positions, m)``."""
+    moved = history.base_of_stops(t)
     for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
         closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
         if stop.x in positions and closed.any():
-            row, gap = positions.index(stop.x), 1e3 * stop.sign * stop.gap
+            row, gap = positions.index(stop.x), 1e3 * (stop.sign * stop.gap - moved[i])
             shade = axes.fill_between(
                 t, z[row], gap, where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
             )
@@ -128,7 +132,8 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     for row, (name, stop) in enumerate(zip(names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
         colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
-        # Upwards in fractions of the axes, and one collection for all contacts: quick with thousands of them.
+        # Heights are fractions of the axes.  One collection holds all contacts, which is fast with thousands of
+        # contacts.
         axes.broken_barh(
             [(c.start, c.duration) for c in history.contacts if c.stop == row],
             (bottom, height),
@@ -142,6 +147,7 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
 
 
 def _height(axes: Axes) -> float:
-    """Height of the axes, inches, without the title: an estimate, because the layout is made only when drawn."""
+    """Height of the axes, inches, without the title: an estimate, because matplotlib computes the layout when it
+    draws."""
     assert axes.figure is not None
     return 0.75 * float(axes.bbox.height) / axes.figure.dpi

@@ -1,4 +1,4 @@
-"""Answers as notebooks show them: a table and a small figure, as one piece of HTML."""
+"""The display of answers in notebooks: a table and a small figure, as one piece of HTML."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from collections.abc import Iterable, Sequence
 from functools import singledispatch
 
 import numpy as np
+from matplotlib.axes import Axes
 
+from lapjoint.answers.equilibrium import Equilibrium
 from lapjoint.answers.history import History
 from lapjoint.answers.modes import Modes
 from lapjoint.answers.steady_state import SteadyState
@@ -18,7 +20,7 @@ from lapjoint.figures.style import new_axes, svg_of
 from lapjoint.figures.text import error_text, frequency_text
 
 CONTACTS_SHOWN, MODES_SHOWN = 8, 12
-"""Largest numbers of rows of tables, for an answer to fit on a screen."""
+"""Largest numbers of rows in the tables of contacts and of modes, so that an answer fits on a screen."""
 _SIZE = 5.6, 2.4  # inches
 _SAMPLES = 800
 _MIDDLE = ' style="text-align: left"'
@@ -87,12 +89,34 @@ def _of_steady_state(steady: SteadyState) -> str:
     return _page(steady.problem.title or "Untitled problem", lines, table + _picture(steady.history))
 
 
+@html_of.register
+def _of_equilibrium(found: Equilibrium) -> str:
+    """A static equilibrium: the forces of the stops as a table, and the deflected shape."""
+    problem, tip = found.problem, found.problem.beam.length
+    lines = [found.solver, *([found.other_equilibria] if found.other_equilibria else [])]
+    lines.append(
+        f"Displacement of the tip: {_with_error(float(found.displacement(tip)[0]), found.errors.displacement)} m"
+    )
+    rows = [
+        (name, f"{stop.x:g}", stop.side, _with_error(float(force), float(error)))
+        for name, stop, force, error in zip(
+            problem.stop_names, problem.stops, found.contact_forces, found.errors.contact_forces, strict=True
+        )
+    ]
+    table = _table(("stop", "x [m]", "side", "force [N]"), rows, 0) if rows else ""
+    x = np.linspace(0.0, tip, _SAMPLES)
+    axes = new_axes(*_SIZE)
+    axes.plot(x, found.displacement(x))
+    axes.set(xlabel="x [m]", ylabel="z [m]")
+    return _page(problem.title or "Untitled problem", lines, table + _image(axes, "Displacement along the beam"))
+
+
 def _with_error(value: float, error: float | None) -> str:
     return f"{value:.6g}" if error is None else f"{value:.6g} ± {error_text(error)}"
 
 
 def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -> str:
-    """A table, and how many rows it leaves out."""
+    """A table in HTML, with the number of rows that are left out."""
     head = "".join(f"<th{_MIDDLE}>{html.escape(text)}</th>" for text in heads)
     body = "".join("<tr>" + "".join(f"<td{_MIDDLE}>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
     more = f"<p>... and {left_out} more</p>" if left_out > 0 else ""
@@ -100,10 +124,14 @@ def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], left_out: int) -
 
 
 def _picture(history: History) -> str:
-    """Displacements over time as an image, on white, so that it can be read on a dark page too."""
+    """Displacements over time as an image, on white, so that it is legible on a dark page, too."""
     axes = plot_motion(history, new_axes(*_SIZE), samples=_SAMPLES)
+    return _image(axes, "Displacement over time, with the gaps and the contacts of the stops")
+
+
+def _image(axes: Axes, text: str) -> str:
+    """A picture on white, with a text for those who do not see it."""
     data = base64.b64encode(svg_of(axes).encode()).decode()
-    text = "Displacement over time, with the gaps and the contacts of the stops"
     return f'<img alt="{text}" style="background: white; max-width: 100%" src="data:image/svg+xml;base64,{data}">'
 
 

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 IN_CONTACT = "in contact"
 _ROUNDING = 1e-9
-"""Excitation periods by which a section point may lie outside the history, because of rounding."""
+"""Time by which a section point may lie outside the history because of rounding, in excitation periods."""
 _LEAST_SHARE = 0.1
-"""Least extent of the axes, as a fraction of the orbit's size, so that rounding is not drawn large."""
+"""Least extent of the axes, divided by the orbit's size, so that rounding errors do not fill the figure."""
 
 
 @style()
@@ -32,20 +32,21 @@ def plot_phase_portrait(
     samples: int = 4000,
     label: str | None = None,
 ) -> Axes:
-    """Draw velocity over displacement at one position: the gaps as thin lines, the orbit broad while in contact.
+    """Draw velocity over displacement at one position, with the gaps as thin lines; the orbit is broad while in
+    contact.
 
     Parameters
     ----------
     history : History
         The motion.
     axes : matplotlib.axes.Axes, optional
-        Where to draw; by default on a new figure.  Further portraits on the same axes take further colours.
+        Where to draw; by default on a new figure.  Each further portrait on the same axes has another colour.
     x : float, optional
-        Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
-        "In contact" means with a stop at this position, or with any stop if there is none at this position.
+        Position, m; by default of the stop farthest from the root, or the tip if there are no stops.  "In contact"
+        means with a stop at this position, or, if there is none, with any stop.
     samples : int
-        Least number of equidistant times.  The times of the switches are added, and further times where an excitation
-        period would have fewer than 100, or the drawn orbit would have corners that the true orbit has not.
+        Least number of equidistant times; there are more if a period of the fastest excitation would have fewer than
+        100.  The times of the switches are added, and further times where the drawn orbit would have visible corners.
     label : str, optional
         Name of the orbit in the legend; by default the position.
 
@@ -64,8 +65,8 @@ def plot_phase_portrait(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     width = line_width(history)
-    still = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
-    (orbit,) = axes.plot(z, v, linewidth=width, marker=still, label=label or f"x = {place:g} m")
+    marker = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
+    (orbit,) = axes.plot(z, v, linewidth=width, marker=marker, label=label or f"x = {place:g} m")
     here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
@@ -81,7 +82,8 @@ def plot_phase_portrait(
             solid_capstyle="butt",
             label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
         )
-    for gap in {history.problem.stops[i].sign * history.problem.stops[i].gap for i in here}:
+    still = [history.problem.stops[i] for i in here if not history.problem.stops[i].in_space]
+    for gap in {stop.sign * stop.gap for stop in still}:
         axes.axvline(1e3 * gap, color=GREY, linewidth=THIN, zorder=1)
     entitle(axes, heading(history) if label is None else "")
     return axes
@@ -96,16 +98,16 @@ def plot_poincare_section(
     phase: float = 0.0,
     label: str | None = None,
 ) -> Axes:
-    """Draw the Poincare section at one position: velocity over displacement, once in every excitation period.
+    """Draw the Poincare section at one position: velocity over displacement, at one phase of every excitation period.
 
     Parameters
     ----------
     history : History
         The motion.
     axes : matplotlib.axes.Axes, optional
-        Where to draw; by default on a new figure.  Further sections on the same axes take further colours.
+        Where to draw; by default on a new figure.  Each further section on the same axes has another colour.
     x : float, optional
-        Position, m; by default that of the stop farthest from the root, or the tip where there are no stops.
+        Position, m; by default of the stop farthest from the root, or the tip if there are no stops.
     phase : float
         Phase of the excitation, rad: a section point is drawn at each time t with omega t = phase + 2 pi k.
     label : str, optional
@@ -135,10 +137,10 @@ def plot_poincare_section(
 
 
 def section_times(history: History, phase: float = 0.0) -> FloatArray:
-    """Times of the section points of a history, s, ascending, (m,): those with omega t = phase + 2 pi k.
+    """Times t of the section points of a history, omega t = phase + 2 pi k, s, ascending, (m,).
 
-    A history that starts and ends at a section point lasts for whole periods.  Its end is then left out, because it is
-    the start of the next period: a motion of three periods has three section points.
+    If a history both starts and ends at a section point, its end is left out, because it is the start of the next
+    period: a motion of three periods has three section points.
     """
     omega = history.problem.require_excitation_frequency("a Poincare section")
     if not math.isfinite(phase):
@@ -168,7 +170,7 @@ def _state(history: History, x: float, t: FloatArray) -> tuple[FloatArray, Float
 
 
 def _widen(axes: Axes, z: FloatArray, v: FloatArray) -> None:
-    """Widen the axes to at least `_LEAST_SHARE` of the orbit's size; `z` (mm) and `v` (m/s) are the orbit."""
+    """Widen the axes to at least `_LEAST_SHARE` of the size of the orbit, `z`, mm, and `v`, m/s."""
     for limits, set_limits, of in ((axes.get_xlim(), axes.set_xlim, z), (axes.get_ylim(), axes.set_ylim, v)):
         lack = max(0.0, _LEAST_SHARE * float(np.ptp(of)) - (limits[1] - limits[0])) / 2
         if lack:

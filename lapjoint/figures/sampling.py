@@ -1,4 +1,4 @@
-"""Positions and times at which the figures evaluate a history, and the heading that they share."""
+"""Positions and times at which figures evaluate a history, and the heading of these figures."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 
 LEAST_SAMPLES = 100
-"""Least number of times in a period of the fastest excitation: a coarser curve would show another motion."""
+"""Least number of times in a period of the fastest excitation: a curve with fewer could show another motion."""
 SMOOTH = 0.002
 """Largest distance of an orbit from its drawn chord, as a fraction of the orbit's size: about a pixel."""
 MOST_TIMES = 50_000
-"""Number of times at which the refinement of an orbit ends, to bound the time that a figure takes."""
+"""Number of times at which the refinement of an orbit ends, to limit the time that a figure takes."""
 MANY = 100
 """Number of contacts above which the curves are drawn thin."""
 
 
 def one_position(problem: Problem, x: float | None) -> float:
-    """The position asked for, m; by default that of the stop farthest from the root, or the tip without stops."""
+    """Position `x`, m; by default the position of the stop farthest from the root, or the tip if there are no stops."""
     if x is not None:
         return problem.require_position(x)
     return max((stop.x for stop in problem.stops), default=problem.beam.length)
 
 
 def times_drawn(history: History, samples: int) -> FloatArray:
-    """Times at which a motion is drawn, s, ascending, (m,): equidistant ones, and the switches.
+    """Times at which a motion is drawn, s, ascending, (m,): equidistant times, and the switches.
 
     There are `samples` equidistant times, or more if a period of the fastest excitation would have fewer than
-    `LEAST_SAMPLES`.  The switches are added, and the middle between each two of them, so that no flight and no contact
-    is left out.
+    `LEAST_SAMPLES`.  The times of the switches, and the middles between consecutive switches, are added, so that every
+    flight and every contact is drawn.
     """
     if samples < 2:
         raise InputError(f"samples = {samples}: must be 2 or more")
@@ -43,16 +43,16 @@ def times_drawn(history: History, samples: int) -> FloatArray:
 
 
 def smooth_times(history: History, x: float, t: FloatArray) -> FloatArray:
-    """Times `t`, s, ascending, (n,), and those that smooth the drawn orbit at position `x`, m.
+    """Times `t`, s, ascending, (n,), with further times added so that the drawn orbit at position `x`, m, is smooth.
 
-    Between two times the orbit is drawn as a chord.  Where the state a quarter, half or three quarters of the way is
-    farther from the chord than `SMOOTH` of the orbit's size, the time half-way is added.  This repeats until the whole
-    orbit is smooth, or there are `MOST_TIMES`.
+    Between two times the orbit is drawn as a chord.  If the state at a quarter, half or three quarters of this interval
+    is farther from the chord than `SMOOTH` of the orbit's size, the middle time is added.  This is repeated until no
+    chord is too far, or there are `MOST_TIMES`.
     """
     orbit = _orbit(history, x, t)
     size = np.ptp(orbit, axis=1, keepdims=True)
     size[size == 0] = 1.0
-    ends = np.arange(t.size - 1)  # of the chords to look at, the first ones
+    ends = np.arange(t.size - 1)  # indices of the first ends of the chords to test
     while ends.size and t.size < MOST_TIMES:
         start, chord = orbit[:, ends] / size, np.diff(orbit, axis=1)[:, ends] / size
         width = np.diff(t)[ends]
@@ -72,19 +72,21 @@ def _orbit(history: History, x: float, t: FloatArray) -> FloatArray:
 
 
 def _distance(chord: FloatArray, off: FloatArray) -> FloatArray:
-    """Distance from chords of points, `off` their starts; all of shape ``(2, n)``."""
+    """Distance of points from chords, (n,); `chord` leads along a chord and `off` from its start to the point, (2,
+    n)."""
     along = np.sum(chord * off, axis=0) / np.maximum(np.sum(chord**2, axis=0), np.finfo(float).tiny)
     return np.asarray(np.hypot(*(off - np.clip(along, 0.0, 1.0) * chord)))
 
 
 def in_contact(contacts: list[Contact], t: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether any contact lasts at each time `t`, s, (m,), the ends of contacts included."""
+    """Whether any stop is in contact at each time `t`, s, (m,), including the ends of contacts."""
     starts, ends = np.sort([c.start for c in contacts]), np.sort([c.end for c in contacts])
     return np.asarray(np.searchsorted(starts, t, side="right") > np.searchsorted(ends, t, side="left"))
 
 
 def line_width(history: History) -> float:
-    """The width of a motion's curve, points, which is thin where many contacts bring many loops."""
+    """The line width of a motion's curve, points: thin if the motion has more than `MANY` contacts, as it has many
+    loops."""
     return 1.1 if len(history.contacts) <= MANY else 0.4
 
 

@@ -24,9 +24,10 @@ _THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of th
 _MASS = 0.3  # half the side of a mass
 _ALONG = 0.55  # height of the arrows of a uniform load above the beam
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
-_BELOW = -2.45  # where the line of positions stands
+_BEYOND = 1.8  # height of names beyond the ground of their stops
+_BELOW = -2.45  # height of the line of positions
 _NAME_SHOWN = 14  # characters
-_NEAR = 0.5  # largest distance of things that share a place
+_NEAR = 0.5  # distance below which two symbols would overlap
 _RIGHT = 1.75  # room on the right of the beam
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
 _INK = "0.15"
@@ -35,24 +36,24 @@ _BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
 
 @dataclass
 class _Page:
-    """Axes, and the boxes on them that are taken: a text that would overlap a box is left out."""
+    """Axes, and their occupied boxes: a text that would overlap an occupied box is left out."""
 
     axes: Axes
     per_inch: float
     """Units of the sketch in an inch."""
     taken: list[tuple[float, float, float, float]] = field(default_factory=list)
-    """Boxes: left, right, lowest, highest."""
+    """Occupied boxes: left, right, lowest and highest coordinate."""
 
     def line(self, x: FloatArray | list[float], y: FloatArray | list[float], colour: str, width: float) -> None:
         """Draw a line."""
         self.axes.plot(x, y, color=colour, linewidth=width, linestyle="-")
 
     def take(self, left: float, right: float, lowest: float, highest: float) -> None:
-        """Keep texts out of a box."""
+        """Mark a box as occupied."""
         self.taken.append((min(left, right), max(left, right), min(lowest, highest), max(lowest, highest)))
 
     def say(self, x: float, y: float, text: str, colour: str = _INK, align: str = "left") -> bool:
-        """Write a text whose middle line is at `y`, if there is room; whether it was written."""
+        """Write a text centred at height `y`, if there is room, and say whether it was written."""
         lines = text.split("\n")
         wide = max(width_of(line, SMALL) for line in lines) * self.per_inch
         left = x - {"left": 0.0, "center": wide / 2, "right": wide}[align]
@@ -65,7 +66,7 @@ class _Page:
         return True
 
     def ground(self, x: float, y: float, up: float, wide: float = 0.32) -> None:
-        """A hatched line at `y`, its body above (`up` = 1) or below (-1)."""
+        """A hatched line at `y`, with the hatching above (`up` = 1) or below (-1)."""
         self.line([x - wide, x + wide], [y, y], _INK, 0.9)
         for at in np.linspace(x - wide, x + wide * 0.75, 6):
             self.line([float(at), float(at) + 0.2 * wide], [y, y + up * 0.14], _INK, 0.5)
@@ -87,7 +88,7 @@ class _Page:
 
 @style()
 def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
-    """Draw a joint: positions to scale, everything else as symbols with its numbers beside.
+    """Draw a joint: positions to scale, everything else as symbols with numbers beside them.
 
     Numbers for which there is no room are left out.
 
@@ -149,7 +150,7 @@ def _draw_mass(page: _Page, x: float) -> None:
 
 
 def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None:
-    """A wall, a pin, or springs, these so far aside that they do not stand on a stop."""
+    """Draw a wall, a pin, or springs; springs are moved by `aside`, so that they do not overlap a stop."""
     if math.isinf(support.translational) and math.isinf(support.torsional):
         outside = -1.0 if x <= _WIDE / 2 else 1.0
         page.line([x, x], [-0.75, 0.75], _INK, 1.2)
@@ -180,7 +181,8 @@ def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
 
 
 def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
-    """Names with numbers beside the stops, names alone where there is no room for numbers, and how many there are."""
+    """Write names and numbers beside the stops, or names alone where there is no room for numbers, beside the stops or
+    beyond their ground; and the number of stops."""
     for stop, name in zip(problem.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
         gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
@@ -190,24 +192,35 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
             page.say(x + 0.36, y, text, _STOP)
             or page.say(x - 0.36, y, text, _STOP, "right")
             or page.say(x + 0.36, y, short, _STOP)
+            or page.say(x, stop.sign * _BEYOND, short, _STOP, "center")
         )
     if len(problem.stops) > 1:
         page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
 
 
 def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
-    """Names, masses and rotary inertias beside the masses, where there is room."""
+    """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
+    room."""
     for mass in problem.masses:
-        lines = [cut_to(literal(mass.name), _NAME_SHOWN)] if mass.name else []
+        name, x = cut_to(literal(mass.name), _NAME_SHOWN), mass.x * scale
+        lines = [name] if name else []
         lines.append(_number("m", mass.mass, "kg"))
         if mass.rotary_inertia:
             lines.append(_number("J", mass.rotary_inertia, "kg m2"))
-        text, x, y = "\n".join(lines), mass.x * scale, _MASS + 0.1 + len(lines) * _LINE / 2
-        _ = page.say(x, y, text, GREY, "center") or page.say(x, -y, text, GREY, "center")
+        text, y = "\n".join(lines), _MASS + 0.1 + len(lines) * _LINE / 2
+        short, aside, near = _number(name or "m", mass.mass, "kg"), _MASS + 0.1, _HALF + 0.05 + _LINE / 2
+        _ = (
+            page.say(x, y, text, GREY, "center")
+            or page.say(x, -y, text, GREY, "center")
+            or page.say(x - aside, near, short, GREY, "right")
+            or page.say(x + aside, near, short, GREY)
+            or page.say(x - aside, -near, short, GREY, "right")
+            or page.say(x + aside, -near, short, GREY)
+        )
 
 
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
-    """Stiffnesses beside the supports."""
+    """Write stiffnesses beside the supports."""
     for support in problem.supports:
         x = support.x * scale
         if 0 < support.translational < math.inf:
@@ -218,7 +231,7 @@ def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
 
 
 def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
-    """The motion of the base at the left, and the loads as arrows."""
+    """Draw the motion of the base on the left, and the loads as arrows."""
     if problem.base_motion is not None:
         page.arrow(-0.75, 0.8, -0.8, "<->")
         page.say(-_LEFT + 0.05, 1.35, _said_of_base(problem), _DRIVE)
@@ -248,7 +261,7 @@ def _draw_static_loads(page: _Page, problem: Problem, scale: float) -> None:
 
 
 def _said_of_base(problem: Problem) -> str:
-    """How the base moves, in a line or two."""
+    """The motion of the base, in one or two lines."""
     base = problem.base_motion
     assert base is not None
     omega = problem.excitation_frequency
@@ -260,7 +273,7 @@ def _said_of_base(problem: Problem) -> str:
 
 
 def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
-    """A line with a tick and a number at every position."""
+    """Draw a line with a tick and a number at every position."""
     supports, stops = ([it.x for it in problem.supports], [it.x for it in problem.stops])
     other = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)

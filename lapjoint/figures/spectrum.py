@@ -1,12 +1,12 @@
-"""Amplitude spectra: Fourier coefficients of a motion that repeats, or a windowed transform of one that does not.
+"""Amplitude spectra: Fourier coefficients of a motion that repeats, or a windowed transform of any other motion.
 
 A motion that repeats after n excitation periods is a sum of lines at the multiples of omega / n.  Their amplitudes are
-Fourier coefficients, which the discrete transform of one repetition, without a window, gives except for aliasing.  The
-number of samples is doubled until no drawn amplitude changes by more than `TOLERANCE` of the largest.
+Fourier coefficients, computed by the discrete transform of one repetition, without a window, and exact except for
+aliasing.  The number of samples is doubled until no drawn amplitude changes by more than `TOLERANCE` of the largest.
 
-Of any other motion the weighted mean is subtracted, and the whole history is multiplied by a Hann window.  The
-transform is scaled so that a sine far from its neighbours has a peak of its own amplitude.  Lines that are closer than
-4 pi over the history's duration merge.
+For any other motion, the weighted mean is subtracted, and the whole history is multiplied by a Hann window.  The
+transform is scaled so that the peak of a single sine has the amplitude of the sine.  Two lines merge if their angular
+frequencies differ by less than 4 pi, divided by the history's duration.
 """
 
 from __future__ import annotations
@@ -27,19 +27,21 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TOLERANCE = 1e-7
-"""Largest sampling error of the drawn amplitudes, relative to the largest of them; far below what a plot resolves."""
+"""Largest sampling error of the drawn amplitudes, divided by the largest amplitude; far below the resolution of a
+plot."""
 REPEATS = 1e-3
-"""Largest mismatch of a state that returns, as a fraction of the motion's size, for a motion to count as repeating."""
+"""Largest distance between the states at both ends of a repetition, divided by the motion's size, for a motion that
+counts as repeating."""
 DECADES = 6.5
-"""Number of decades below the largest amplitude at which the axis ends: short of `TOLERANCE`."""
+"""Number of decades below the largest amplitude at which the axis ends, just above `TOLERANCE`."""
 _EXCITATION = "excitation"
 _HARMONICS = 20
-"""Least number of multiples of the excitation frequency that are drawn where no number is asked for."""
+"""Least default number of multiples of the excitation frequency that are drawn."""
 _FEWEST, _MOST = 2**10, 2**18
-"""Number of samples of the transform: the first trial, and the number after which no doubling follows."""
+"""First number of samples of the transform, and the number above which it is not doubled again."""
 
 _STATIONS = 33
-"""Number of places among which the place that moves most is found."""
+"""Number of positions among which the one with the largest motion is chosen."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +55,8 @@ class Spectrum:
     periods: int
     """Number of excitation periods after which the motion repeats; 0 for a windowed transform."""
     mismatch: float
-    """Distance of the state at the end of the repetition from that at its start, relative to the motion's size; NaN
-    for a windowed transform."""
+    """Distance between the states at both ends of the repetition, divided by the motion's size; NaN for a windowed
+    transform."""
 
 
 @style()
@@ -66,10 +68,10 @@ def plot_spectrum(
     harmonics: int | None = None,
     label: str | None = None,
 ) -> Axes:
-    """Draw the amplitude spectrum of the displacement at one position, computed as the module's head says.
+    """Draw the amplitude spectrum of the displacement at one position; the module's head says how it is computed.
 
-    Where the end of the history repeats after some whole number of excitation periods, the lines are the Fourier
-    coefficients of the last repetition, and the title gives its number of periods.
+    If the end of the history repeats after a whole number of excitation periods, the lines are the Fourier coefficients
+    of the last repetition, and the title gives this number.
 
     Parameters
     ----------
@@ -78,10 +80,10 @@ def plot_spectrum(
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
     x : float, optional
-        Position, m; by default that of `most_moved`, which the legend names.
+        Position, m; by default `most_moved`.  The legend names the position.
     harmonics : int, optional
-        Largest multiple of the excitation frequency to be drawn; where the excitation has no period, largest
-        multiple of the frequency with the largest amplitude.  By default 20, or twice the excitation's own largest.
+        Largest drawn multiple of the excitation frequency or, if the excitation has no period, of the frequency with
+        the largest amplitude.  By default 20, or twice the largest multiple in the excitation if that is more.
     label : str, optional
         Name of the spectrum in the legend, before its position.
 
@@ -118,9 +120,9 @@ def plot_spectrum(
 
 
 def most_moved(history: History) -> float:
-    """The place, m, of `_STATIONS` equidistant ones, whose displacement has the largest standard deviation.
+    """The position, m, out of `_STATIONS` equidistant positions, whose displacement has the largest standard deviation.
 
-    Of places that differ by rounding alone it is the one farthest from the root.
+    If several differ by rounding alone, it is the position farthest from the root.
     """
     _require_duration(history)
     x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
@@ -134,7 +136,7 @@ def _require_duration(history: History) -> None:
 
 
 def _default_harmonics(problem: Problem) -> int:
-    """The largest multiple of the excitation frequency that is drawn."""
+    """The largest multiple of the excitation frequency that is drawn by default."""
     omega = problem.excitation_frequency
     return _HARMONICS if omega is None else max(_HARMONICS, 2 * round(problem.forces.fastest / omega))
 
@@ -164,8 +166,8 @@ def spectrum(history: History, x: float, harmonics: int) -> Spectrum:
 def repeating_periods(history: History) -> tuple[int, float]:
     """The least number of excitation periods after which the end of a history repeats, or 0, and the mismatch.
 
-    States are compared: displacement and velocity at some points of the beam, each relative to its largest value there.
-    Where the state and the phase of the excitation return, all that follows returns too.
+    The state is displacement and velocity at some points of the beam, each divided by its largest value at this point.
+    If the state returns at one phase of the excitation, the whole later motion repeats.
     """
     omega = history.problem.excitation_frequency
     whole = 0 if omega is None else math.floor((history.end - history.start) * omega / (2 * math.pi) + 1e-9)

@@ -1,7 +1,7 @@
 """The style of all figures: sizes, colours and lines, and files that are reproducible byte for byte.
 
-The colours are from Okabe and Ito (2008), which colour-blind readers tell apart; line styles and markers repeat
-the distinction.  Text has its final size at any width, so a figure is made as wide as it will be printed.
+The colours are from Okabe and Ito (2008): colour-blind readers can tell them apart.  Line styles and markers repeat the
+distinction.  Text has its printed size at any width of a figure, so a figure is made as wide as it will be printed.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ if TYPE_CHECKING:
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 STYLES = ("-", "--", "-.", ":")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<")
-"""Markers that have an area, so that they can be hollow.  The number of colours is coprime to the numbers of line
-styles and markers, so that a pair returns only when all pairs have been drawn."""
+"""Markers with an area, so that they can be hollow.  The number of colours is coprime to the numbers of line styles and
+of markers, so that a pair is repeated only after all pairs were used."""
 FORMATS = (".png", ".svg", ".pdf")
 COLUMN_WIDTH, PAGE_WIDTH = 3.4, 7.0
 """Widths of a figure, inches: one column, and both columns of a printed page."""
 GREY = "0.55"
 THIN = 0.6
-"""Width of gaps, zero lines and reference slopes, points."""
+"""Line width of gaps, zero lines and reference slopes, points."""
 _LABELS_WIDE = 0.65
-"""Width of the labels on the left of the axes, inches."""
+"""Width reserved for the labels on the left of the axes, inches."""
 _LEGEND_SHARE = 0.45
-"""Largest fraction of the height of axes and legend together that the legend takes."""
+"""Largest height of a legend, divided by the height of axes and legend together."""
 
 STYLE: dict[str, Any] = {
     "font.size": 8,
@@ -74,7 +74,7 @@ STYLE: dict[str, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Give figures their style while they are made and written; it is a context manager and a decorator."""
+    """A context manager, and decorator, in which figures have this style."""
     import matplotlib
     from cycler import cycler
 
@@ -85,7 +85,7 @@ def style() -> Iterator[None]:
 
 
 def new_axes(width: float = PAGE_WIDTH, height: float = 3.2) -> Axes:
-    """Axes on a figure of their own, which belongs to no window.
+    """Axes on a new figure, without a window.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def new_axes(width: float = PAGE_WIDTH, height: float = 3.2) -> Axes:
 
 @style()
 def new_panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Axes, ...]:
-    """Several axes on a figure of their own, which belongs to no window.
+    """Several axes on a new figure, without a window.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def new_panels(rows: int, columns: int, width: float, height: float, **options: 
 def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     """Write a figure as PNG, SVG or PDF, by the ending of `path`.
 
-    The file takes its name when it is complete.  Until then an older file of that name stays as it is.
+    The file gets its name when it is complete.  An older file of this name remains unchanged until then.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def save(axes: Axes | Sequence[Axes], path: str | Path) -> None:
     InputError
         If the path has another ending.
     OutputError
-        If no file can be written there, or it cannot be completed, as on a full disk.
+        If the file cannot be written or completed, for example on a full disk.
     """
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
@@ -169,19 +169,19 @@ def svg_of(axes: Axes | Sequence[Axes]) -> str:
 
 @style()
 def _write(axes: Axes | Sequence[Axes], target: str | Path | io.StringIO, form: str, **options: Any) -> None:
-    """Write the file without a date, so that equal figures are equal files."""
+    """Write the file without a date, so that equal figures give equal files."""
     dates = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with boxes_for_unknown_signs():
         figure_of(axes).savefig(target, format=form, metadata=dates.get(form), **options)
 
 
 def each_axes(axes: Axes | Sequence[Axes]) -> tuple[Axes, ...]:
-    """The axes in one, a sequence, or an array of axes, row by row."""
+    """The axes of a single one, a sequence, or an array of axes, row by row."""
     return tuple(np.ravel(np.asarray(axes, dtype=object)))
 
 
 def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
-    """The figure that axes belong to, also where the axes stand in a subfigure."""
+    """The figure to which axes belong, also if the axes are in a subfigure."""
     from matplotlib.figure import Figure
 
     figure: Any = each_axes(axes)[0].figure
@@ -191,10 +191,11 @@ def figure_of(axes: Axes | Sequence[Axes]) -> Figure:
 
 
 def entitle(axes: Axes, title: str = "", beside: float = _LABELS_WIDE) -> None:
-    """Put a title and, below it, the legend above the axes, where no curve can be, once all lines are drawn.
+    """Put a title and, below it, the legend above the axes, where they cover no curve; call this after all lines are
+    drawn.
 
-    Title and labels are drawn literally, as `lapjoint.figures.text` says; long lines are wrapped.  `beside` is the
-    width of the labels beside the axes, inches.
+    Title and labels are drawn literally, see `lapjoint.figures.text`; long lines are wrapped.  `beside` is the width of
+    the labels beside the axes, inches.
     """
     room = max(1.0, room_of(axes) - beside)
     lines = [literal(line) for line in wrapped(title, room)]
@@ -229,12 +230,12 @@ def _lines_high(axes: Axes) -> int:
 
 
 def faint_if_thin(colour: str, alpha: float = 1.0) -> dict[str, Any]:
-    """Settings of bars with faint edges: a bar thinner than a pixel is neither lost nor drawn too broad."""
+    """Settings of bars with faint edges, so that a bar thinner than a pixel is visible, but not drawn too broad."""
     return {"facecolor": (colour, alpha), "edgecolor": (colour, 0.25 * alpha), "linewidth": 0.15, "snap": False}
 
 
 def draw_time(axes: Axes, start: float, end: float, label: str = "time t [s]") -> None:
-    """Let the horizontal axis show time from `start` to `end`, s, with few enough ticks for a column."""
+    """Let the horizontal axis show time from `start` to `end`, s, with ticks that fit a column."""
     axes.set_xlim(start, end)
     axes.set_xlabel(label)
     axes.locator_params(axis="x", nbins=6)

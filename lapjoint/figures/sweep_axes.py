@@ -1,6 +1,7 @@
 """The swept fields of a sweep's dataset: their names, units and values.
 
-A figure shows two swept fields.  A third one is drawn at its first value.
+A field is a varied parameter of the problem.  A figure shows at most two swept fields, and further fields at their
+first value.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lapjoint.answers.series import written
 from lapjoint.figures.text import cut_to, literal
 from lapjoint.problem import FloatArray
 
@@ -17,7 +19,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _LONGEST = 20
-"""Largest number of characters of a stop's name within the name of its field, for labels to stay short."""
+"""Largest number of characters of a stop's name within the name of its field, to keep labels short."""
+_MEMBERS = {"stops": "stop", "supports": "support", "masses": "mass"}
+"""Lists of a problem, and the word for one member."""
 
 
 def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
@@ -31,7 +35,7 @@ def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Fields that were in rad/s are in Hz.
+        The dataset with fields in Hz in place of rad/s.
     """
     turned = {
         str(name): (value.dims, value.values / (2 * math.pi), {**value.attrs, "units": "Hz"})
@@ -42,7 +46,7 @@ def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with ascending swept fields; of a third and further swept fields it has the first value only."""
+    """The dataset with ascending values of the first two swept fields, and only the first value of further fields."""
     names = [name for name in dataset.outcome.dims if name != "start"]
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 
@@ -86,15 +90,16 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
 
 def units(dataset: xr.Dataset, name: str) -> str:
     """The unit of a swept field, as figures write it: ``rad/s``, or ``-`` for a field without a dimension."""
-    return {"rad s-1": "rad/s", "N m-1": "N/m", "1": "-"}.get(dataset[name].units, str(dataset[name].units))
+    unit = str(dataset[name].units)
+    return "-" if unit == "1" else written(unit)
 
 
 def short_name(dataset: xr.Dataset, name: str) -> str:
     """The name of a swept field for a label: ``gap (all stops)`` instead of ``stops_all_gap``."""
     group, _, rest = str(dataset[name].attrs.get("path", name)).partition(".")
     which, _, field = rest.rpartition(".")
-    if not field or group not in ("stops", "supports"):
+    if not field or group not in _MEMBERS:
         text = name.replace("_", " ")
         return text.replace("angular frequency", "frequency") if units(dataset, name) == "Hz" else text
-    which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {group[:-1]}"
+    which = f"all {group}" if which == "*" else f"{cut_to(which, _LONGEST)} {_MEMBERS[group]}"
     return f"{field.replace('_', ' ')} ({which})"

@@ -1,4 +1,4 @@
-"""The variables of a sweep that can be drawn over its fields: impulses, and those that ``--summary`` added."""
+"""The variables of a sweep that can be drawn: impulses, and the variables that ``--summary`` added."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _NAMES = {
 _KINDS = {"peak": "largest", "rms": "RMS of"}
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
 _PLAIN = 0.1, 1e4
-"""Largest magnitudes between which a unit has no prefix."""
+"""Bounds of the largest magnitude of a variable between which its unit has no prefix."""
 
 
 def drawable(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -33,7 +33,7 @@ def drawable(dataset: xr.Dataset) -> tuple[str, ...]:
 
 
 def curves(dataset: xr.Dataset, variable: str) -> list[tuple[str, xr.DataArray]]:
-    """The curves of a drawable variable: each stop's name and values, or no name and the values of the beam."""
+    """The curves of a drawable variable: name and values of each stop, or an empty name and the values of the beam."""
     if variable not in drawable(dataset):
         there, more = ", ".join(drawable(dataset)), "--summary of a sweep adds more"
         raise InputError(f"variable {variable!r}: is not in this file, which has {there}; {more}")
@@ -52,7 +52,7 @@ def ordinate(dataset: xr.Dataset, variable: str) -> str:
 
 
 def _exponent(dataset: xr.Dataset, variable: str) -> int:
-    """Power of ten of the unit's prefix; impulses, shares and rates have none."""
+    """Power of ten of the unit's prefix; 0 for impulses, fractions and rates."""
     size = float(np.nanmax(np.abs(dataset[variable].values), initial=0.0))
     units = str(dataset[variable].attrs["units"])
     if variable == IMPULSE or units in ("1", "s-1") or not 0 < size < np.inf or _PLAIN[0] <= size < _PLAIN[1]:
@@ -61,5 +61,5 @@ def _exponent(dataset: xr.Dataset, variable: str) -> int:
 
 
 def where(dataset: xr.Dataset, variable: str) -> str:
-    """The place along the beam at which a drawable variable is looked at; nothing for a variable of a stop."""
+    """A remark on the place along the beam of a drawable variable; empty for a variable of a stop."""
     return "" if "stop" in dataset[variable].dims else "where it is largest along the beam"

@@ -1,6 +1,6 @@
-"""Text in figures: names are drawn as they were given, whatever characters they hold, and cut to the width they have.
+"""Text in figures: names are drawn literally, with any characters, and shortened to the available width.
 
-Widths are measured in matplotlib's own font, because a W is four times as wide as an l.
+Widths are measured in matplotlib's font, because a W is four times as wide as an l.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from typing import Any
 SMALL = 7.0
 """Size of titles, legends and tick labels, points."""
 _MOST_LINES = 4
-"""Largest number of lines of a title; an ellipsis in the last one says that there is more."""
+"""Largest number of lines of a title; an ellipsis in the last line stands for further text."""
 _DPI = 100.0
 """Resolution at which text is measured, dots per inch."""
 _WIDER = 1.04
-"""Factor by which text can be wider at another resolution, because each letter's width is rounded to pixels."""
+"""Factor by which text may be wider at another resolution, because the width of each letter is rounded to pixels."""
 _BREAKS = "_/-.,:;"
 """Characters after which a word that is too long for a line may be broken."""
 
 
 def literal(text: str) -> str:
-    """Text for matplotlib to draw as it is: on one line, its dollar signs escaped so that no part is mathematics."""
+    """Text that matplotlib draws literally: on one line, with dollar signs escaped so that no part is mathematics."""
     return plain(text).replace("$", r"\$")
 
 
@@ -37,7 +37,7 @@ def plain(text: str) -> str:
 
 
 def error_text(error: float | None) -> str:
-    """A numerical error in two digits; a question mark where none can be stated, nothing where none was estimated."""
+    """A numerical error in two digits; a question mark if no error can be stated, empty if no error was estimated."""
     if not error:
         return "" if error is None else "0"
     return f"{error:.1e}" if error < float("inf") else "?"
@@ -60,7 +60,7 @@ def legend_label(name: str) -> str:
 
 @lru_cache(maxsize=4096)
 def width_of(text: str, size: float = SMALL) -> float:
-    """The width, inches, of one line of text; dollar signs in it do not make it mathematics."""
+    """The width, inches, of one line of text, drawn literally."""
     from matplotlib.font_manager import FontProperties
 
     with boxes_for_unknown_signs():
@@ -78,7 +78,7 @@ def _renderer() -> Any:
 
 @contextmanager
 def boxes_for_unknown_signs() -> Iterator[None]:
-    """Silence matplotlib's warning about characters that the font lacks; they are drawn as boxes, which anyone sees."""
+    """Silence matplotlib's warning about characters that the font lacks: they are drawn as boxes, which are visible."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message=r"Glyph \d+ .* missing from", category=UserWarning)
         yield
@@ -99,7 +99,8 @@ def cut_to(text: str, most: int) -> str:
 
 
 def _longest_cut(text: str, fits: Callable[[str], bool]) -> str:
-    """The text with as many characters of both ends as fit, found by bisection; three fifths are from the start."""
+    """The text with its middle left out so that it just fits, by bisection; three fifths of the rest are from its
+    start."""
     fewest, most = 1, len(text) - 1
     while fewest < most:
         middle = (fewest + most + 1) // 2
@@ -113,7 +114,7 @@ def _cut(text: str, kept: int) -> str:
 
 
 def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
-    """Shorten names so that they stay different: names that become equal get their numbers before them."""
+    """Shorten names so that they remain different: names that would become equal get their numbers before them."""
     short = [shorten(name) for name in names]
     return [
         shorten(f"{i + 1}: {plain(name)}") if short.count(cut) > 1 and "…" in cut else cut
@@ -122,7 +123,7 @@ def apart(names: Sequence[str], shorten: Callable[[str], str]) -> list[str]:
 
 
 def wrapped(text: str, room: float, size: float = SMALL) -> list[str]:
-    """Lines of at most `room`, inches; each line of the text takes a few at most, an ellipsis stands for the rest."""
+    """Lines of at most `room`, inches: at most a few for each line of the text, with an ellipsis for the rest."""
     return [line for part in text.splitlines() for line in _first(_filled(part, room, size), room, size)]
 
 
@@ -145,9 +146,9 @@ def _filled(text: str, room: float, size: float) -> list[str]:
 
 
 def _pieces(text: str, room: float, size: float) -> list[str]:
-    """The pieces that lines are made of, each with the space before it: words, or parts of words that are too wide.
+    """The pieces of which lines are composed, each with the space before it: words, or parts of words too wide.
 
-    A word wider than `room`, inches, is split at fixed spaces, then after the characters `_BREAKS`, and at last
+    A word wider than `room`, inches, is split at non-breaking spaces, then after the characters `_BREAKS`, and finally
     anywhere.
     """
     pieces = [f" {word}" for word in plain(text).split(" ") if word]
@@ -158,7 +159,7 @@ def _pieces(text: str, room: float, size: float) -> list[str]:
 
 
 def _forced(piece: str, room: float, size: float) -> list[str]:
-    """The piece broken anywhere into parts that fit into `room`, inches."""
+    """The piece, broken at any character into parts that fit into `room`, inches."""
     parts = []
     while width_of(piece, size) > room and len(piece) > 1:
         end = max(1, next(n for n in range(1, len(piece) + 1) if width_of(piece[:n], size) > room) - 1)

@@ -1,18 +1,18 @@
-"""Whether a march is bound for a stable orbit, for all time to come.
+"""The test of whether a march is bound for a stable orbit: whether it is certain to converge to the orbit.
 
 Let e be the deviation of the march from the orbit now, and M the derivative of the orbit's period map.  After k periods
-of the orbit the deviation is e_k = M^k e, provided that the march makes the switches of the orbit and no others.  It
-does if, for all k >= 0,
+of the orbit the deviation is e_k = M^k e, provided that the march makes exactly the switches of the orbit.  It makes
+exactly these switches if, for all k >= 0,
 
     |D e_k| <= c |h|              at every stop and phase: the deviation touches no further stop,
     |X e_k| / r <= spacing / 3    at every switch: it shifts by at most a third of the time to its stop's next switch,
     3 (|X e_k| / r) |h''| <= r    at every switch: the stop is crossed at a rate that hardly changes,
     |X' e_k| <= r / 2             at every switch: the deviation changes that rate by at most half,
 
-where D maps a deviation to its displacement at the stop, h is the stop's gap function, r = |h'| at a switch, and the
-rows X and X' map a deviation to h and h' there (`lapjoint.orbits.watch`).  Within three shifts |X e_k| / r of a stop's
-own switch the first condition does not apply.  Without switches the map is linear, and c = `LINEAR`; with switches c =
-`CURVED` leaves room for the nonlinear part of the map.
+where h is the stop's gap function, r = |h'| at a switch, D maps a deviation to the change of the displacement at the
+stop, and the rows X and X' map it to the changes of h and h' at the switch (`lapjoint.orbits.watch`).  Within three
+shifts |X e_k| / r of a stop's own switch the first condition does not apply.  Without switches the map is linear, and c
+= `LINEAR`; with switches c = `CURVED` leaves room for the nonlinear part of the map.
 
 The first e_k are tested one by one.  For late k only the slow eigenvectors V of M matter, and
 
@@ -34,30 +34,30 @@ from lapjoint.orbits.watch import Deviated, Watch
 from lapjoint.problem import FloatArray
 
 LINEAR = 0.9
-"""Largest share c of the distance to a stop that a deviation may take if the orbit has no switch.  The map is then
-exactly linear; a smaller share would leave lightly damped motions undecided for longer."""
+"""Largest fraction c of the distance to a stop that a deviation may have if the orbit has no switch.  The map is then
+exactly linear; a smaller fraction would leave lightly damped motions undecided for longer."""
 CURVED = 0.5
-"""Largest share c if the orbit has switches: half of the distance is left for what the linearised map misses."""
+"""Largest fraction c if the orbit has switches: half of the distance is left for the error of the linearised map."""
 _SHIFTS = 3.0
-"""Time on either side of a stop's own switch, in shifts |X e_k| / r, in which the stop's distance does not count: the
-deviation decides whether the stop is closed there.  With two shifts some orbits fail narrowly, and need twice the
-marching."""
+"""Time on either side of a stop's own switch in which the first condition does not apply, divided by the shift |X e_k|
+/ r: the deviation decides whether the stop is closed there.  With two shifts some orbits fail narrowly, and need twice
+the marching."""
 RATE = 0.5
-"""Largest share of the rate at a switch that a deviation may change; the switch then keeps its direction."""
+"""Largest change of the rate at a switch, divided by the rate; the switch then keeps its direction."""
 _FIRST, _MOST = 16, 1024
 """First and largest number of deviations e_k that are tested together: blocks make fast matrix products."""
 _NOTHING = 1e-13
-"""Deviation, over the size of the orbit, below which a deviation is rounding."""
+"""Deviation, divided by the size of the orbit, below which a deviation is rounding."""
 _DECAYED = 1e-12
-"""Largest part of a deviation along an eigenvector that is neglected, over the size of the orbit."""
+"""Largest part of a deviation along an eigenvector that is neglected, divided by the size of the orbit."""
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """The result of a test: how long the march has to go on before the conditions can hold."""
+    """The result of a test: how long the march has to continue before the conditions can hold."""
 
     fails: int
-    """Periods of the orbit to march before looking again; 0 if the conditions hold from the start and for all time."""
+    """Periods of the orbit to march before the next test; 0 if the conditions hold from the start and for all time."""
 
     @property
     def bound(self) -> bool:
@@ -73,11 +73,11 @@ def forecast(
     size: float,
     most: int,
 ) -> Forecast:
-    """Whether a march is bound for a stable orbit by its deviation e, or how long to march before looking again.
+    """Whether a march is bound for a stable orbit by its deviation e, or else how long to march before the next test.
 
-    `matrix`, (n, n), is the derivative M of the orbit's map; `vectors`, (n, n), has its eigenvectors as columns;
-    `deviation`, (n,), is e at the start of the orbit; `size` is the Euclidean norm of the orbit's section point. All
-    are in the solver's own coordinates. At most `most` periods of the orbit are looked at one by one.
+    `matrix`, (n, n), is the derivative M of the orbit's map, and `vectors`, (n, n), has its eigenvectors as columns.
+    `deviation`, (n,), is e at the start of the orbit, and `size` the Euclidean norm of the orbit's section point.  All
+    are in the solver's own coordinates.  At most `most` periods of the orbit are tested one by one.
     """
     share = CURVED if watch.switches.time.size else LINEAR
     power, count, done, fails = matrix, 1, 0, 0
@@ -90,7 +90,7 @@ def forecast(
         if broken.size:
             fails = done + int(broken[-1]) + 1
         done += block.shape[1]
-        if fails and 2 * fails <= done:  # enough to know: it is worth looking again after these
+        if fails and 2 * fails <= done:  # later failures would not change the next test much
             return Forecast(fails)
         if not fails and _decays(watch, vectors, power @ block[:, 0], size, share):
             return Forecast(0)
@@ -105,7 +105,7 @@ def forecast(
 def sound(watch: Watch, deviated: Deviated, share: float) -> np.ndarray:
     """Whether each of K deviations meets all conditions of this module's head at one k, shape (K,).
 
-    `share` is the share c of the distance to a stop that a deviation may take: `LINEAR` or `CURVED`.
+    `share` is the fraction c of the distance to a stop that a deviation may have: `LINEAR` or `CURVED`.
     """
     switches, intervals = watch.switches, watch.intervals
     return np.asarray(

@@ -1,4 +1,4 @@
-"""Arcs: a motion with a given contact sequence, continued in closed form, whatever the gaps do meanwhile.
+"""Arcs: a motion with a given contact sequence, in closed form, whether or not the gap functions fit the sequence.
 
 A *contact sequence* names the stop that switches at the end of each arc.  Between two switches the motion follows the
 closed form of one contact state for a given duration, so the end of a chain of arcs is a smooth function of the start
@@ -9,7 +9,7 @@ and of the durations.  The durations make a motion of the joint if they solve an
 
 with the gap function h = sign z - gap of the stop that switches, both values in the contact state of the arc, and the
 duration d.  The divided difference is regular at d = 0, where it is h' = 0: the equation of a graze, a touch at zero
-velocity.  Durations below zero mean nothing for a joint, but the equations still hold.
+velocity.  Durations below zero describe no motion of a joint, but the equations still have solutions.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class ContactSequence:
 
     @cached_property
     def returning(self) -> tuple[bool, ...]:
-        """For each of the ``M`` events, whether the event before it was of the same stop."""
+        """For each of the ``M`` events, whether the previous event was a switch of the same stop."""
         before = (-1, *self.stops)[:-1]
         return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
 
@@ -60,16 +60,16 @@ class Chain:
     end: FloatArray = field(repr=False)
     """(q, v) at the end of the last arc, in the modes of its contact state, shape ``(n_M,)``."""
     events: FloatArray
-    """Left side of the equation of each event, m, or m/s where the stop also switched at the event before, shape
+    """Left side of the equation of each event, m, or m/s if the stop also switched at the previous event, shape
     ``(M,)``."""
     end_by: FloatArray | None = field(default=None, repr=False)
     """Derivatives of `end` by (q, v) at the start of the first arc, then by the durations of all ``M + 1`` arcs, at a
-    fixed time of the section, shape ``(n_M, n + M + 1)``; None if they were not asked for."""
+    fixed time of the section, shape ``(n_M, n + M + 1)``; None if they were not requested."""
     events_by: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `events` by the variables of `end_by`, shape ``(M, n + M + 1)``; None if they were not asked
-    for."""
+    """Derivatives of `events` by the variables of `end_by`, shape ``(M, n + M + 1)``; None if they were not
+    requested."""
     by_number: FloatArray | None = field(default=None, repr=False)
-    """Derivatives of `end` and then of `events` by a parameter, shape ``(n_M + M,)``; None if not asked for, or not
+    """Derivatives of `end` and then of `events` by a parameter, shape ``(n_M + M,)``; None if not requested, or not
     known.  The start is fixed; the time of the section and the durations are fixed as fractions of the excitation
     period."""
 
@@ -98,9 +98,9 @@ class Arcs(Protocol):
 
         `start`, (n,), holds displacements and velocities (q, v) at the section, in the modes of the first contact
         state.  `time` is the time of the section, s from a multiple of the period.  `durations`, (M + 1,), are the
-        durations of the arcs, s, of either sign.  With `derivatives`, `Chain.end_by` and `Chain.events_by` are found
-        too.  With a `number`, the path of a parameter as `lapjoint.Axis` takes it, the derivative by that parameter is
-        found too, if the solver knows it.
+        durations of the arcs, s, of either sign.  With `derivatives`, `Chain.end_by` and `Chain.events_by` are also
+        computed.  With a `number`, the path of a parameter, see `lapjoint.Axis`, `Chain.by_number` is also computed, if
+        the solver knows it.
         """
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:

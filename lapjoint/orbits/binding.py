@@ -1,12 +1,13 @@
-"""Where many starts end: each is bound to a certified motion, or found not to be.
+"""The ends of many starts: each start is bound to a certified motion, or found not to be bound to any.
 
-All starts march together.  Now and then each is compared with every known motion.  A start is bound to a motion if its
-deviation is certain to die out (`lapjoint.orbits.trapping`), and the march then makes the step of the linearised map
-(`lapjoint.orbits.search.as_linearised`).  Closeness alone binds nothing.
+All starts march together.  From time to time each march is compared with every known motion.  A start is *bound* to a
+motion if its march is certain to converge to the motion: if the deviation is certain to decay
+(`lapjoint.orbits.trapping`), and the next step is that of the linearised map (`lapjoint.orbits.search.as_linearised`).
+Closeness alone is not enough.
 
-A start that is bound to no known motion after some time is marched alone by `lapjoint.orbits.search`.  A motion that
-this search finds is known from then on, with its mirror image, and the other starts continue together.  The outcome of
-a march that does not settle is taken from the search: quasi-periodic, aperiodic, undecided.
+A start that is not bound after some time is marched alone by `lapjoint.orbits.search`.  A motion that this search
+finds, and its mirror image, are known from then on, and the other starts continue together.  If the march does not
+settle, its outcome is that of the search: quasi-periodic, aperiodic or undecided.
 """
 
 from __future__ import annotations
@@ -31,28 +32,29 @@ from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
 
 _STRIDE = 4
-"""Least number of periods between two comparisons; later it is an eighth of the periods marched, which costs little."""
+"""Least number of periods between two comparisons; later the interval is an eighth of the periods marched, so that
+comparisons cost little."""
 _PATIENCE = 64
-"""Least number of periods after which a start that is bound to no known motion is searched alone."""
+"""Least number of periods after which a start that is not bound is searched alone."""
 _DECAY_TIMES = 8.0
-"""Decay times of the slowest free vibration that a start marches before it is searched alone: exp(-8) = 3e-4 of a
-transient is left."""
+"""Least time before a start is searched alone, in decay times of the slowest free vibration: exp(-8) = 3e-4 of a
+transient is then left."""
 
 
 @dataclass(frozen=True)
 class StartEnd:
-    """Where a start ends."""
+    """The end of a start."""
 
     motion: int | None
-    """Index of the certified motion to which the start is bound; None if there is none."""
+    """Index of the certified motion to which the start is bound; None if it is not bound."""
     outcome: Outcome | None
-    """Kind of motion in which the start ends; None where the march failed."""
+    """Kind of motion in which the start ends; None if the march failed."""
     periods: int
     """Excitation periods marched until the end was established."""
     pushes: int = 0
-    """Number of times that the march was pushed off an unstable motion that it could not leave by itself."""
+    """Number of times that the march was pushed off an unstable motion, which it could not leave by itself."""
     message: str = ""
-    """Why the march failed; empty where it did not."""
+    """Message of a march that failed; empty for other marches."""
 
 
 class Binder:
@@ -67,14 +69,14 @@ class Binder:
             self._take(motion)
 
     def again(self) -> Binder:
-        """A copy that knows the motions known now; motions that the copy finds later are not added to the original."""
+        """A copy that knows the present motions; motions that the copy finds later are not added to the original."""
         other = Binder(self._map, self._effort)
         other.motions, other._traps = list(self.motions), list(self._traps)
         return other
 
     @in_one_thread
     def ends(self, starts: Sequence[SectionPoint]) -> list[StartEnd]:
-        """Where each start ends; motions that are found on the way are added to `motions`."""
+        """The end of each start; motions that are found on the way are added to `motions`."""
         group = _StartGroup(ensemble_of(self._map, starts), len(starts))
         while group.marching.size:
             self._march(group, group.marched + self._patience)
@@ -90,7 +92,7 @@ class Binder:
         return min(max(_PATIENCE, decay_periods(self._map, _DECAY_TIMES, most)), most)
 
     def _march(self, group: _StartGroup, until: int) -> None:
-        """March all starts together up to some number of periods, and bind those that a known motion traps."""
+        """March all starts together up to a number of periods, and bind the starts that a known motion traps."""
         until = min(until, self._effort.max_periods)
         while self._traps and group.marching.size:
             self._bind(group)
@@ -117,7 +119,7 @@ class Binder:
                     group.end(i, motion, self.motions[motion].outcome)
 
     def _search(self, group: _StartGroup, i: int) -> bool:
-        """Search one start alone from where it is now; whether it found a motion that was not known."""
+        """Search one start alone from its present point; return whether the search found a new motion."""
         left = max(self._effort.max_periods - group.periods(i), 1)
         effort = Effort(self._effort.max_period_multiple, left, self._effort.max_switches, growth=False)
         first_look = FIRST_LOOK_NEAR if group.periods(i) else FIRST_LOOK
@@ -137,7 +139,7 @@ class Binder:
         return len(self.motions) > before
 
     def _take(self, motion: CertifiedMotion) -> int:
-        """The index of a motion, which is added, with its mirror image, if it is not known."""
+        """The index of a motion; a new motion is added with its mirror image."""
         for i, known in enumerate(self.motions):
             if same_motion(self._half_periods, motion, known):
                 return i
@@ -150,17 +152,17 @@ class Binder:
 
 
 class _StartGroup:
-    """Starts that march together, and the ends that are known."""
+    """Starts that march together, and the known ends of starts."""
 
     def __init__(self, ensemble: Ensemble, count: int) -> None:
         self.ensemble = ensemble
         self.ends: list[StartEnd | None] = [None] * count
         self.marching: IndexArray = np.arange(count)
-        """The starts that have no end yet."""
+        """The starts without a known end."""
         self.marched = 0
-        """Periods that all starts without an end have marched together."""
+        """Number of periods that all starts without an end have marched together."""
         self._more: IndexArray = np.zeros(count, dtype=np.intp)
-        """Periods that each start has marched alone, in addition to `marched`."""
+        """Number of periods that each start has marched alone, in addition to `marched`."""
 
     def periods(self, i: int) -> int:
         """Periods that a start has marched."""
@@ -174,7 +176,7 @@ class _StartGroup:
             self.fail(i, message)
 
     def stepped(self, which: IndexArray, before: FloatArray, periods: int) -> tuple[IndexArray, FloatArray]:
-        """March some starts alone; returned are those whose march did not fail, and their rows of `before`."""
+        """March some starts alone; return the starts whose march did not fail, and their rows of `before`."""
         failed = self.ensemble.march(which, periods)
         self._more[which] += periods
         for i, message in failed.items():

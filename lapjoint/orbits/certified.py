@@ -1,4 +1,4 @@
-"""Certified motions, recognised by their orbits wherever a march comes to them, never by their impulses.
+"""Certified motions: two are one motion if their orbits are equal; equal impulses are not enough.
 
 A motion of period multiple n has n section points, one a period.  If the problem is its own mirror image and a motion
 is not, the mirror image of the motion is another motion.
@@ -14,7 +14,7 @@ from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.trapping import Trap
 
 SAME_ORBIT = 1e-6
-"""Two stable orbits nearer than this, as a fraction of their size, are one; each orbit closes within 1e-9."""
+"""Distance below which two stable orbits are one, divided by their size; each orbit closes within 1e-9."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class CertifiedMotion:
     symmetric: bool
     """Whether half of the motion mirrors the other half."""
     outcome: Outcome
-    """Which periodic outcome it is."""
+    """Outcome of the motion, one of the periodic outcomes."""
     residual: float
     """Distance between start and end, as a fraction of the size of the motion."""
     multiplier: complex
@@ -36,12 +36,12 @@ class CertifiedMotion:
 
     @property
     def period_multiple(self) -> int:
-        """Excitation periods after which it repeats."""
+        """Number of excitation periods after which the motion repeats."""
         return len(self.points)
 
 
 def certified(half_periods: HalfPeriods, orbit: Orbit) -> CertifiedMotion:
-    """The motion of a stable orbit over its least period; it begins where the orbit does."""
+    """The motion of a stable orbit over its least period, with the start of the orbit."""
     period_map, multiple = half_periods.map, orbit.period_multiple
     points = [orbit.point]
     for _ in range(multiple - 1):
@@ -71,7 +71,7 @@ def mirrored_motion(half_periods: HalfPeriods, motion: CertifiedMotion) -> Certi
 
 
 def same_motion(half_periods: HalfPeriods, one: CertifiedMotion, other: CertifiedMotion) -> bool:
-    """Whether two certified motions are one motion, perhaps begun at different periods of it."""
+    """Whether two certified motions are one motion, which may start at different periods."""
     if one.period_multiple != other.period_multiple:
         return False
     allowed = max(SAME_ORBIT, 10 * (one.residual + other.residual))

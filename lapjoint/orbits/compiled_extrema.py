@@ -16,7 +16,7 @@ from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
 from lapjoint.problem import FloatArray
 
 _BLOCK = 16
-"""Number of points after which their spacing is chosen anew, because fast terms have decayed."""
+"""Number of points after which the spacing of points is chosen anew, because fast terms have decayed."""
 _MISSED = 0.01
 """Largest error of the cubic between two points, as a fraction of the sum of the sizes of the rate's terms.  It
 balances the number of points against the number of intervals that have to be halved."""
@@ -40,7 +40,7 @@ _NEXT = 5.0
 """Factor of the first neglected term in the series of a step: this times the step and the cube of the ratio of
 successive terms. 5 is the value for the inverse of a parabola."""
 _OPEN = -1
-"""Returned where the bounds do not tell how often a rate vanishes."""
+"""Value of `_vanishes` if the bounds leave open how often a rate vanishes."""
 
 
 @njit_called()
@@ -48,9 +48,10 @@ def gap_extrema(motion: Motion, stops: Stops) -> tuple[IndexArray, FloatArray, F
     """All extrema of gap functions: stop, time, value and whether it is a maximum, each of shape (m,).
 
     Times count from the start of the orbit, s, and the times of one stop ascend; values are in m.  Points are so close
-    that cubics with the rate's values and slopes at the points have a small, known error.  Where the error leaves open
-    how often the rate vanishes between two points, the interval between them is halved.  A change of contact state
-    truncates the motion a little; a rate whose sign it changes has an extremum where the new segment begins.
+    that cubics with the rate's values and slopes at the points have a small, known error.  If the error leaves open how
+    often the rate vanishes between two points, the interval between them is halved.  A change of contact state
+    truncates the motion a little; if this changes the sign of a rate, there is an extremum at the start of the new
+    segment.
     """
     stop, time, value, maximum = [0], [0.0], [0.0], [False]
     places, terms = motion.weights.shape[1], motion.rates.shape[1]
@@ -139,12 +140,12 @@ def _loud(
     weights: FloatArray,
     missed: FloatArray,
 ) -> tuple[int, float]:
-    """The terms that are not faint from a time on: their number, and the largest distance of points, s.
+    """The terms that are not faint after a time: their number, and the largest spacing of points, s.
 
-    `waves` and `rates`, ``(K, 2)``, take real and imaginary parts of the terms of the rate at that time and of their
-    exponents, and `weights`, ``(U, K, 4)``, of their weights and of the products of weights and exponents.  `missed`,
-    ``(U, 3)``, takes bounds of the fourth derivative of a place's rate, and of the faint terms' part of the rate and of
-    its slope.
+    The arrays are filled.  `waves` and `rates`, ``(K, 2)``, get real and imaginary parts of the terms of the rate at
+    this time, and of their exponents.  `weights`, ``(U, K, 4)``, gets those of the weights, and of the products of
+    weights and exponents.  `missed`, ``(U, 3)``, gets bounds on the fourth derivative of the rate at a place, and on
+    the part of the faint terms in the rate and in its slope.
     """
     places, terms = motion.weights.shape[1], waves.shape[0]
     wave, sizes, total = complex_zeros(terms), zeros((terms, places)), zeros((places, 2))
@@ -198,8 +199,8 @@ def _vanishes(start: FloatArray, end: FloatArray, missed: FloatArray) -> int:
     """How often a rate vanishes between two points: 0, 1, or `_OPEN`.
 
     `start` and `end`, ``(3,)``, are the time, the rate and its slope at both points; `missed`, ``(3,)``, is filled by
-    `_loud`.  But for the error of the cubic, the rate lies between the least and the largest Bernstein coefficient of
-    the cubic.  It rises, or falls, throughout where these coefficients do.
+    `_loud`.  Apart from the error of the cubic, the rate lies between the least and the largest Bernstein coefficient
+    of the cubic, and it is monotone if these coefficients are.
     """
     way = end[0] - start[0]
     first, last = start[1], end[1]

@@ -1,6 +1,6 @@
-"""Cutting an orbit into intervals, compiled: their ends, their distances from the stops, the switches beside them.
+"""Compiled cutting of an orbit into intervals: their ends, their distances from the stops, the switches beside them.
 
-`lapjoint.orbits.watch` says what the intervals are for, and which bounds hold in them.
+`lapjoint.orbits.watch` explains the purpose of the intervals, and the bounds within them.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ _LEAST = 4
 _HALVINGS = 5
 """Number of times that the first and the last interval of a segment are halved, towards the switches at its ends."""
 _PARTS = 8
-"""Most parts into which one pass divides an interval in which the distance to a stop is not known well enough."""
+"""Largest number of parts into which one pass divides an interval in which the bound on a distance is not tight."""
 _ROUNDS = 6
-"""Most passes that divide intervals: 8^6 makes 260 000 parts."""
+"""Largest number of passes that divide intervals: 8^6 are 260 000 parts."""
 _NEGLIGIBLE = 1e-9
-"""An interval is not divided where the distance to a stop is below this fraction of its largest distance."""
+"""Distance to a stop, divided by the largest distance to this stop, below which an interval is not divided."""
 _TIGHT = 0.5
 """An interval is divided unless the least distance within it is certain to be at least this fraction of the distance at
 its ends."""
@@ -41,7 +41,7 @@ class Motion(NamedTuple):
     start: FloatArray
     """Start of each segment, s from the start of the orbit, shape ``(S,)``."""
     duration: FloatArray
-    """Length of each segment, s, shape ``(S,)``."""
+    """Duration of each segment, s, shape ``(S,)``."""
     rates: ComplexArray
     """Exponents of the terms in each segment, 1/s, shape ``(S, K)``."""
     amplitudes: ComplexArray
@@ -63,10 +63,10 @@ class Stops(NamedTuple):
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
     place: IndexArray
-    """Which of the places each stop is at, shape ``(P,)``."""
+    """Index of the place of each stop, shape ``(P,)``."""
     beyond: IndexArray
-    """The stop of this orbit whose switches each stop makes in the next period, shape ``(P,)``: itself, or its twin
-    where the orbit continues mirrored."""
+    """The stop whose switches in this period are those of each stop in the next period, shape ``(P,)``: the stop itself
+    or, if the orbit continues mirrored, its twin."""
 
 
 @njit_called()
@@ -105,12 +105,11 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
 def unrolled(
     times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
 ) -> tuple[FloatArray, IndexArray]:
-    """Times and indices of one stop's switches in the period before, in this one, and in the one after, (k,) each.
+    """Times and indices of one stop's switches in the previous, the present and the next period, (k,) each.
 
-    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each.  `stop` is
-    the stop asked for, and `beyond` the stop whose switches it makes in the other two periods: its twin where the orbit
-    continues mirrored.  `length` is the length of the orbit, s.  The indices say which of the J switches each one is,
-    or repeats.
+    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each.  `beyond` is
+    the entry of `Stops.beyond` for `stop`; `length` is the length of the orbit, s.  The index of a switch in another
+    period is the index of the switch that it repeats.
     """
     own, others = 0, 0
     for j in range(stops.size):
@@ -154,8 +153,8 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
 def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatArray]:
     """Ends of equal intervals in each segment, the first and the last halved some times, (I,) each.
 
-    `duration`, (S,), are the lengths of the segments, and `width` is the largest width of an interval, s. Returned are
-    the segment of each point and the time from its start, s.
+    `duration`, (S,), are the lengths of the segments, and `width` is the largest width of an interval, s. The answer is
+    the segment of each point, and the time from its start, s.
     """
     count = int_zeros(duration.size)
     total = 0
@@ -185,10 +184,11 @@ def first_points(duration: FloatArray, width: float) -> tuple[IndexArray, FloatA
 
 @njit_inner()
 def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Distance of stops at the nearer end of each interval, m, at least 0, and its possible decrease within, m, (P, I).
+    """Distance from stops at the nearer end of each interval, m, at least 0, and its largest decrease within, m, (P,
+    I).
 
-    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  A stop that truncation
-    leaves beyond its gap at a switch switches again when it comes back to where it was left.
+    `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  If truncation leaves a
+    stop beyond its gap at a switch, the stop switches again when it returns to this value.
     """
     count, places, terms = stops.sign.size, motion.weights.shape[1], motion.rates.shape[1]
     nearer, miss = zeros((count, segment.size - 1)), zeros((count, segment.size - 1))
@@ -227,11 +227,11 @@ def distances(motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
 def refined(
     motion: Motion, stops: Stops, segment: IndexArray, tau: FloatArray
 ) -> tuple[IndexArray, FloatArray, FloatArray]:
-    """Intervals divided where the orbit's distance from a stop is not known well enough.
+    """Intervals, divided until the orbit's distance from each stop is known well enough.
 
-    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s.  Returned are segment and
-    time of all points after the division, (I + 1,) with I + 1 >= N, and the least distance of each stop from its gap
-    between two points, m, (P, I).
+    `segment` and `tau`, (N,), are the segment of each point and the time from its start, s.  The answer is the segment
+    and the time of all points after the division, (I + 1,) with I + 1 >= N, and the least distance of each stop from
+    its gap between two points, m, (P, I).
     """
     nearer, miss = distances(motion, stops, segment, tau)
     least = zeros(stops.sign.size)
@@ -300,7 +300,7 @@ def among_switches(
     shape = (beyond.size, start.size)
     before, after = int_zeros(shape), int_zeros(shape)
     since, until = zeros(shape), zeros(shape)
-    tiny = 1e-12 * length  # ends of intervals that are switches are so to rounding
+    tiny = 1e-12 * length  # an end of an interval that is a switch has the time of the switch up to rounding
     for stop in range(beyond.size):
         when, index = unrolled(times, which, stop, beyond[stop], length)
         at = 0

@@ -21,8 +21,8 @@ def terms_at_points(
 
     `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  `rates`, (S, K'), are
     the exponents of the terms, 1/s, and `weights`, (S, U, K'), their weights at the places of stops; deviations have
-    the first ``K = count <= K'``.  Returned are real and imaginary part of each term of unit amplitude, (2, U, I + 1,
-    K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
+    the first ``K = count <= K'``.  The answer is the real and the imaginary part of each term of unit amplitude, (2, U,
+    I + 1, K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
     """
     places = weights.shape[1]
     terms, misses = zeros((2, places, tau.size, count)), zeros((places, tau.size - 1, count))
@@ -55,9 +55,9 @@ def largest_motion(
 ) -> None:
     """Write bounds on the motion that ``C`` deviations make at the stops in each interval to `result`, (P, I, C), m.
 
-    `segment`, `tau`, `terms` and `misses` are those of `terms_at_points`. `amplitudes`, (2, S, K, C), are real and
-    imaginary parts in each segment; `drift`, (S, U, 2, C), is the displacement, m, and speed, m/s, of rigid-body modes,
-    of size 0 without such modes; `place`, (P,), is the place of each stop.
+    `segment` and `tau` are arguments of `terms_at_points`, and `terms` and `misses` its results.  `amplitudes`, (2, S,
+    K, C), are real and imaginary parts of the amplitudes in each segment.  `drift`, (S, U, 2, C), is the displacement,
+    m, and speed, m/s, of rigid-body modes; without such modes it is empty.  `place`, (P,), is the place of each stop.
     """
     count, columns = terms.shape[3], amplitudes.shape[3]
     size = zeros((amplitudes.shape[1], count, columns))

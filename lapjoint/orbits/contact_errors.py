@@ -1,9 +1,9 @@
-"""Errors of contacts: each is compared with the same contact at a finer resolution of the solver.
+"""Errors of contacts: each contact is compared with its partner in a motion at a finer resolution of the solver.
 
-Contacts of two motions are the same if they are contacts of one stop and each is the nearest to the other in time.  A
-contact without a partner, because the finer motion grazes the stop or splits the contact in two, has an infinite error:
-none can be stated.  Two chaotic marches part in the end.  They have parted where partners are not much nearer to each
-other than to their neighbours; from then on no error can be stated.
+Two contacts are partners if they are contacts of one stop, and each is the nearest to the other in time.  If a contact
+has no partner, because the finer motion grazes the stop or splits the contact in two, no error can be stated, and the
+error is infinite.  Two chaotic marches finally part.  They have parted where the time between partners is not small
+compared with the time to their neighbours; from then on no error can be stated.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 PARTED = 0.1
-"""Two motions have parted where the time between partners exceeds this fraction of the time to the stop's nearest other
-contact."""
+"""Largest time between partners, divided by the time to the stop's nearest other contact, of motions that have not
+parted."""
 
 
 @dataclass(frozen=True)
 class Differences:
-    """How far contacts are from their partners; infinite where they have none."""
+    """Differences between contacts and their partners; infinite without a partner."""
 
     start: FloatArray
     """Difference of the start times, s, shape ``(contacts,)``."""
@@ -37,7 +37,7 @@ class Differences:
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
-    """A march with the errors of its contacts; `finer` gives the march of the finer solver."""
+    """A march with the errors of its contacts; `finer` returns the march of the finer solver."""
     try:
         others = finer().contacts
     except (InputError, SolverError) as error:
@@ -64,7 +64,8 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
 def with_errors(
     contacts: Sequence[Contact], start: FloatArray, impulse: FloatArray, peak: FloatArray
 ) -> tuple[Contact, ...]:
-    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start begins exactly."""
+    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start has an exact
+    start."""
     return tuple(
         replace(
             contact,
@@ -77,8 +78,7 @@ def with_errors(
 
 
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion with infinite errors of its contacts: errors were asked for, and cannot be stated for the `reason`
-    given."""
+    """A motion with infinite errors of its contacts, because errors cannot be stated for a `reason`."""
     contacts = tuple(
         replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
     )
@@ -86,7 +86,8 @@ def without_contact_errors(history: History, reason: str) -> History:
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
-    """Distances of contacts from their partners in another motion, modulo a `period`, s, if both have one."""
+    """Differences of contacts from their partners in another motion; times are modulo a `period`, s, if one is
+    given."""
     start, impulse, peak = np.full((3, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])

@@ -1,4 +1,4 @@
-r"""Starts other than rest: a section point moved in a plane of two coordinates, or at random in all of phase space.
+r"""Starts other than rest: a section point, moved in a plane of two coordinates, or at random in all of phase space.
 
 A unit force at a place a bends the joint without contact into its static shape G(x, a).  A *plane* of starts has two
 coordinates, each the displacement or the velocity at a place: with the displacements Z_i given at places a_i, the
@@ -6,10 +6,10 @@ displacement of the section point changes by
 
     z(x) = sum_i f_i G(x, a_i),    sum_i G(a_j, a_i) f_i = Z_j
 
-and its velocity likewise: at its place each coordinate changes by the number given.  Random starts are drawn evenly
-from all deviations from a section point whose energy does not exceed a bound: the energy of bending, springs and motion
-of the joint without contact.  The fraction of starts that end in a motion then estimates the fraction of this part of
-phase space from which the motion is reached.
+and its velocity likewise, so that each coordinate changes by the given number at its place.  Random starts are drawn
+evenly from all deviations from a section point whose energy does not exceed a bound.  The energy is that of bending,
+springs and motion of the joint without contact.  The fraction of starts that end in a motion then estimates the
+fraction of this part of phase space from which the motion is reached.
 """
 
 from __future__ import annotations
@@ -25,14 +25,12 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
-_HELD = 1e-9
-"""Supports hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
 _IMMOVABLE = 1e-12
 """Compliance at a place, in units of L^3 / EI, below which a support holds the place; rounding of the shapes is
 smaller."""
 _ALIKE = 1e-6
-"""Two places move alike if the determinant of their compliance is below this fraction of the product of its diagonal,
-the determinant for independent places."""
+"""Determinant of the compliance of two places, divided by the product of its diagonal, below which the places move
+together; for independent places the ratio is 1."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class StaticShapes:
 class DisplacedStarts(Protocol):
     """A period map that knows the joint without contact well enough to start motions anywhere.
 
-    The joint without contact is held: no motion as a rigid body is free.
+    The supports must hold the joint without contact: no rigid-body motion may be free.
     """
 
     def static_shapes(self, origin: SectionPoint, places: FloatArray) -> StaticShapes:
@@ -67,8 +65,8 @@ class DisplacedStarts(Protocol):
 def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint, plane: Plane) -> FloatArray:
     """The deviations that move `origin` by 1 m, or 1 m/s, in one coordinate of a plane, and by 0 in the other, (2, n).
 
-    An `InputError` is raised if the joint without contact is not held, a support holds a place, or both places move
-    alike.
+    An `InputError` is raised if the supports do not hold the joint, a support holds a place, or both places move
+    together.
     """
     plane.check(problem)
     check_held(problem, "plane")
@@ -99,7 +97,7 @@ def random_deviation(roots: FloatArray, energy: float, seed: tuple[int, ...]) ->
 
 
 def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionPoint) -> FloatArray:
-    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the joint must be held.
+    """A matrix B, (n, n), with B^T A B = I for the A of `DisplacedStarts.energy`; the supports must hold the joint.
 
     B maps the unit ball to the deviations from `origin` whose energy is at most 1/2 J.
     """
@@ -109,11 +107,8 @@ def energy_roots(period_map: DisplacedStarts, problem: Problem, origin: SectionP
 
 
 def check_held(problem: Problem, what: str) -> None:
-    """Refuse a problem whose supports leave a motion as a rigid body free; `what` needs a joint that is held."""
-    L = problem.beam.length
-    rows = [(1.0, support.x / L) for support in problem.supports if support.translational > 0]
-    rows += [(0.0, 1.0) for support in problem.supports if support.torsional > 0]
-    if not rows or np.linalg.matrix_rank(np.array(rows), tol=_HELD) < 2:
+    """Refuse a problem whose supports leave a rigid-body motion free; `what` names the purpose in the message."""
+    if problem.structure.free_motions:
         raise InputError(
             f"{what}: without contact the supports leave the beam free to move as a rigid body, so that a force has no "
             "static shape and no energy bounds its motion"

@@ -20,11 +20,11 @@ from lapjoint.problem import FloatArray
 
 
 class Ensemble(Protocol):
-    """Section points of one period map, its members, each of which marches by itself."""
+    """Section points of one period map, its members, which march independently."""
 
     def march(self, which: IndexArray, periods: int) -> dict[int, str]:
-        """March some members, (k,), whole periods, bit for bit as `PeriodMap.march`; returns messages of members that
-        failed."""
+        """March some members, (k,), over whole periods, with the bits of `PeriodMap.march`; return the messages of
+        failed members."""
 
     def deviations(self, which: IndexArray, origin: SectionPoint) -> FloatArray:
         """The deviations of some members, (k,), from a section point `origin`, in its coordinates, (k, n)."""
@@ -38,7 +38,7 @@ class MakesEnsembles(Protocol):
     """A period map that marches many section points at once."""
 
     def ensemble(self, points: Sequence[SectionPoint]) -> Ensemble:
-        """The ensemble of some section points of this map; its members are numbered as the points are."""
+        """The ensemble of section points of this map; member i is point i."""
 
 
 class OneByOne:

@@ -1,7 +1,8 @@
-r"""The largest Lyapunov exponent from a series of growths, one a period.
+r"""The largest Lyapunov exponent from the growth of a deviation in each period.
 
-Growths in neighbouring periods are correlated, in weak chaos over many periods.  The weighted means over the quarters
-of a measurement tell quasi-periodic motion from chaos.  `lapjoint.summaries.correlated_series` has both means.
+Growths in neighbouring periods are correlated, in weak chaos over many periods, so the standard error is computed by
+blocking.  Weighted means over the quarters of a measurement tell quasi-periodic motion from chaos.
+`lapjoint.summaries.correlated_series` has both.
 """
 
 from __future__ import annotations

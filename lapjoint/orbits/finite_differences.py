@@ -18,8 +18,8 @@ _STEP = 1e-6
 """Step of the differences, as a fraction of the size of the motion: the errors by rounding, 1e-16 / 1e-6, and by
 curvature, 1e-12, leave ten digits."""
 _SMALL = 1e-7
-"""Distance between two marches that are followed together, as a fraction of the size of the motion: small enough to be
-linear, and large enough for rounding, 1e-16, to leave nine digits."""
+"""Distance between two marches that are followed together, divided by the size of the motion: small enough for linear
+growth, and large enough that rounding, 1e-16, leaves nine digits."""
 _PER_HALF_PERIOD = 64
 """Least number of samples in half a period: parabolas between the samples then follow the low modes."""
 
@@ -87,23 +87,19 @@ def _switches(history: History) -> list[tuple[float, int]]:
 
 
 def _at_stops(history: History, times: FloatArray) -> FloatArray:
-    """Displacements at the P stops, m, shape ``(P, m)``, at times from the start of a history, s, shape ``(m,)``."""
-    stops = history.problem.stops
-    if not stops:
-        return np.zeros((0, times.size))
-    return history.displacement(np.array([stop.x for stop in stops]), np.minimum(history.start + times, history.end))
+    """What the gaps of the P stops see, m, ``(P, m)``, at times from the start of a history, s, ``(m,)``."""
+    return history.seen_by_stops(np.minimum(history.start + times, history.end))
 
 
 def _segments(history: History, times: FloatArray, switched: FloatArray, moves: FloatArray) -> tuple[Segment, ...]:
-    """Segments between samples: the motion is taken to be a parabola there, and deviations to change linearly with
-    time.
+    """Segments between samples, in which the motion is a parabola in time, and deviations change linearly.
 
     `times`, s, and `switched`, the stop that switches or -1, have the shape ``(m,)``; `moves` holds the displacement at
     each stop and time by each deviation, m, shape ``(P, m, n)``.
     """
     stops = history.problem.stops
     z = _at_stops(history, times)
-    speed = history.velocity(np.array([stop.x for stop in stops]), history.start + times[:-1]) if stops else z[:, :-1]
+    speed = history.seen_by_stops(history.start + times[:-1], 1)
     none = np.zeros(0, dtype=complex)
     segments = []
     for j, width in enumerate(np.diff(times)):

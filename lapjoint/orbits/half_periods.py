@@ -1,4 +1,4 @@
-"""The map over any number of half periods: an odd number is followed by the mirror image z -> -z."""
+"""The map over any number of half periods; after an odd number follows the mirror image z -> -z."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _TINY = float(np.finfo(float).tiny)
 def gives(map_: PeriodMap, more: type) -> bool:
     """Whether a period map has the methods of another protocol, too.
 
-    The class is examined first, because Python caches the answer for a class; the map itself only if its class lacks
-    them.
+    The class is examined first, because Python caches the answer for a class.  The map itself is examined if its class
+    lacks the methods.
     """
     return issubclass(type(map_), more) or isinstance(map_, more)
 
@@ -99,7 +99,7 @@ class HalfPeriods:
     def growth(self, matrix: FloatArray) -> float:
         """Largest element of a march's derivative `matrix`, (n, n), with coordinates scaled to units of size 1.
 
-        It is nan or inf where the derivative is beyond double precision.
+        It is nan or inf if the derivative overflows double precision.
         """
         unit = self.unit_norms(len(matrix))
         with np.errstate(over="ignore", invalid="ignore"):

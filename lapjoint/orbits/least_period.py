@@ -1,8 +1,9 @@
-"""The least period of an orbit: an orbit found over some half periods may repeat after a part of them.
+"""The least period of an orbit: an orbit found over some half periods may repeat after fewer half periods.
 
-Truncated modes can make the map discontinuous, with a jump of size c.  At a jump Newton's method misses a stable motion
-with multiplier mu, and a march visits several points, less than c / (1 - |mu|) apart, one after the other.  No motion
-of a joint does this.  `_parted` tells such a march from a true motion of several periods.
+Truncation to N modes can make the map discontinuous, with a jump of size c.  If a stable fixed point with multiplier mu
+lies at the jump, Newton's method does not find it, and a march visits several points in turn, less than c / (1 - |mu|)
+apart.  The march then seems to repeat after several periods only, which is an effect of truncation.  `_parted` tells
+this march from a true motion of several periods.
 """
 
 from __future__ import annotations
@@ -11,18 +12,17 @@ from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.newton import Orbit, find_orbit
 
 PARTED = 1e-3
-"""Largest first step between two of the points into which a jump of the map splits one point, as a fraction of the
-size of the motion; later steps may be twice as long.  Along longer steps it cannot be told whether the map bends or
-jumps."""
+"""Largest first step, divided by the size of the motion, between two of the points into which a jump of the map splits
+a fixed point; later steps may be twice as long.  Over longer steps, a bend of the map cannot be told from a jump."""
 _JUMP = 0.05
-"""Fraction of a step by which the linearised map of a smooth map may miss a very short step."""
+"""Largest error of the linearised map over a very short step of a smooth map, divided by the step."""
 _BENDS = 500.0
-"""Fraction of a step by which the linearised map of a smooth map may miss, divided by the length of the step before (as
-a fraction of the size of the motion): a smooth map bends.  The larger of this fraction and `_JUMP` counts."""
+"""Largest error of the linearised map over a step of a smooth map, divided by the step and by the previous step (as a
+fraction of the size of the motion): a smooth map bends.  The larger of this error and `_JUMP` counts."""
 
 
 def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
-    """The motion of a stable orbit over the fewest half periods after which it repeats."""
+    """A stable orbit over the least number of half periods after which it repeats."""
     for count in range(half_periods.least, orbit.half_periods, half_periods.least):
         if orbit.half_periods % count:
             continue
@@ -38,11 +38,13 @@ def over_least_period(half_periods: HalfPeriods, orbit: Orbit) -> Orbit:
 
 
 def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None:
-    """The orbit over `count` half periods, if the motion would repeat after these but for a jump of the map; else None.
+    """The orbit over `count` half periods, if only a jump of the map keeps the motion from repeating so soon; else
+    None.
 
-    It would if the steps are short, all multipliers lie within the unit circle, and yet some step is not the step
-    before it carried by the linearised map.  The cause must show, too: in all parts of the motion the same stops switch
-    equally often, but in different orders.
+    A step is the difference between the points after and before `count` half periods.  A jump is the reason if all
+    steps are short and all multipliers lie within the unit circle, and yet some step is not the linearised map of the
+    previous step.  The cause of the jump must show, too: each part of the motion has equally many switches of each
+    stop, but in different orders.
     """
     map_, point = half_periods.map, orbit.point
     now = half_periods.linearised(point, count)
@@ -68,5 +70,5 @@ def _parted(half_periods: HalfPeriods, orbit: Orbit, count: int) -> Orbit | None
 
 
 def switch_order(found: HalfPeriodMarch) -> tuple[int, ...]:
-    """The stops that switch in a march, in the order of time."""
+    """The stops that switch during a march, in the order of time."""
     return tuple(segment.switched for segment in found.linearised.segments if segment.switched >= 0)

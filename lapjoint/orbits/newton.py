@@ -1,4 +1,4 @@
-"""Newton's method for the fixed points of the map over some half periods, and the orbits that it finds."""
+"""Newton's method for fixed points of the map over some half periods of the excitation: orbits."""
 
 from __future__ import annotations
 
@@ -15,25 +15,22 @@ from lapjoint.orbits.watch import Watch
 from lapjoint.problem import FloatArray
 
 RESIDUAL = 1e-9
-"""Largest distance between start and end of an orbit, as a fraction of the size of the motion; one more step of
-Newton's method then leaves the square of this."""
+"""Largest distance between start and end of an orbit, divided by the size of the motion.  One more step of Newton's
+method follows, which about squares it."""
 FAR = 2.0
-"""Largest residual, over the half periods asked for, from which Newton's method is tried; as a fraction of the motion's
-size."""
+"""Largest residual of a guess from which Newton's method is tried, divided by the motion's size."""
 _STEPS = 14
-"""Limit of steps of Newton's method: two or three are enough near an orbit, and some steps far from it bring no
-progress."""
+"""Largest number of steps of Newton's method: near an orbit two or three are enough, and far from it some steps bring
+no progress."""
 _PATIENCE = 5
 """Number of steps within which the residual must halve."""
 REAL = 1e-6
-"""Largest imaginary part of a real multiplier, as a fraction of its modulus: rounding splits a repeated real multiplier
-into a complex pair."""
+"""Largest imaginary part of a multiplier that counts as real, divided by its modulus: rounding splits a repeated real
+multiplier into a complex pair."""
 GROWS = 1e-6
-"""A multiplier is outside the unit circle, and not one on the circle with rounding, if its modulus exceeds 1 by
-this."""
+"""A multiplier counts as outside the unit circle if its modulus exceeds 1 by this; a smaller excess is rounding."""
 _MARGINAL = 1e-9
-"""A multiplier within the unit circle cannot be told from one on the circle if its modulus is less than 1 by up to
-this."""
+"""A multiplier counts as within the unit circle if its modulus is below 1 by this; a smaller difference is rounding."""
 BEYOND_ROUNDING = 1 / float(np.finfo(float).eps)
 """Growth of a deviation over a march beyond which rounding at the start alone decides the end."""
 
@@ -43,18 +40,19 @@ class Orbit:
     """A fixed point of the map over some half periods."""
 
     half_periods: int
-    """Number of half periods after which the motion repeats; mirrored, if it is odd."""
+    """Number of half periods after which the motion repeats, mirrored if the number is odd."""
     point: SectionPoint
     """Where the motion begins."""
     residual: float
-    """Distance between start and end of the last march, as a fraction of the size of the motion; `point` is one Newton
-    step better."""
+    """Distance between start and end of the last march, divided by the size of the motion; `point` is one Newton step
+    more exact."""
     last: HalfPeriodMarch
-    """The march from `point`, or from a point so near that its derivative is the orbit's."""
+    """The march from `point`, or from the point before the last Newton step, where the derivative is nearly the
+    same."""
 
     @property
     def symmetric(self) -> bool:
-        """Whether half of the motion mirrors the other half: an odd number of half periods leads back, mirrored."""
+        """Whether half of the motion mirrors the other half: the orbit has an odd number of half periods."""
         return self.half_periods % 2 == 1
 
     @property
@@ -70,7 +68,7 @@ class Orbit:
 
     @cached_property
     def spectrum(self) -> tuple[ComplexArray, ComplexArray]:
-        """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and their vectors as columns ``(n, n)``."""
+        """Multipliers over `half_periods`, largest modulus first, ``(n,)``, and eigenvectors as columns ``(n, n)``."""
         values, vectors = np.linalg.eig(self.last.matrix)
         order = np.argsort(-np.abs(values), kind="stable")
         return values[order].astype(complex), vectors[:, order].astype(complex)
@@ -87,17 +85,18 @@ class Orbit:
 
     @property
     def stable(self) -> bool:
-        """Whether all multipliers are within the unit circle, for certain."""
+        """Whether all multipliers are certainly within the unit circle."""
         return abs(self.leading) < 1 - _MARGINAL
 
     @property
     def unstable(self) -> bool:
-        """Whether a multiplier is outside the unit circle, for certain."""
+        """Whether a multiplier is certainly outside the unit circle."""
         return abs(self.leading) > 1 + GROWS
 
     @property
     def spirals_out(self) -> bool:
-        """Whether motions leave it in spirals: the leading multipliers are a complex pair outside the unit circle."""
+        """Whether nearby motions leave the orbit in spirals: its leading multipliers are a complex pair outside the
+        circle."""
         return self.unstable and abs(self.leading.imag) > REAL * abs(self.leading)
 
     @cached_property
@@ -106,7 +105,8 @@ class Orbit:
         return self.last.watch
 
     def forecast(self, deviation: FloatArray, most: int) -> Forecast:
-        """The forecast for a deviation, (n,), from the orbit; at most `most` periods are examined one by one."""
+        """The forecast for a deviation, (n,), from the orbit, see `approach.forecast`; it tests at most `most` periods
+        one by one."""
         size = float(np.linalg.norm(self.point.coordinates))
         return forecast(self.watch, self.last.matrix, self.spectrum[1], deviation, size, most)
 
@@ -114,15 +114,15 @@ class Orbit:
 def find_orbit(half_periods: HalfPeriods, guess: SectionPoint, count: int, farthest: float) -> Orbit | None:
     """A fixed point of the map over `count` half periods, stable or not; None if Newton's method finds none.
 
-    Newton's method is not tried from a residual above `farthest`, as a fraction of the size of the motion.  It is not
-    tried, either, where the map makes deviations grow beyond rounding, for then no fixed point can be known.
+    Newton's method ends at once if the residual of the guess is above `farthest`, a fraction of the size of the motion.
+    It also ends if deviations grow by more than `BEYOND_ROUNDING`, because rounding then decides where the march ends.
     """
     point, allowed, residuals = guess, farthest, [np.inf] * _PATIENCE
     for _ in range(_STEPS):
         try:
             found = half_periods.linearised(point, count)
             step = half_periods.map.difference(found.end, point)
-        except SolverError:  # a step of Newton's led out of what can be marched
+        except SolverError:  # the solver cannot march from this point
             return None
         residual = half_periods.relative(step, point)
         if not (residual <= RESIDUAL or (residual <= allowed and residual < residuals[-_PATIENCE] / 2)):

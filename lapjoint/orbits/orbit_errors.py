@@ -1,11 +1,11 @@
-"""Errors of a steady state: the orbit is found again at a finer resolution of the solver, and compared.
+"""Errors of a steady state: its orbit is found again at a finer resolution of the solver, and compared.
 
-Newton's method begins at the known section point, adopted by the finer period map.  Where this is too far from the
-finer orbit, across a switch, the finer map first marches for some periods of the orbit.  Where the finer map has no
-such orbit, or an unstable one, no error can be stated: the errors are infinite.
+Newton's method begins at the known section point, adopted by the finer period map.  If this point is too far from the
+finer orbit, across a switch, the finer map first marches for some periods of the orbit.  If the finer map has no such
+orbit, or an unstable one, no error can be stated: the errors are infinite.
 
-A stop that neither motion touches has an impulse of zero.  Zero is exact if the motion keeps clear of the stop by more
-than the error of its displacement there; otherwise the error is infinite.
+The impulse of a stop that neither motion touches is zero.  Its error is zero if the motion keeps clear of the stop by
+more than the error of the displacement at the stop; otherwise the error is infinite.
 """
 
 from __future__ import annotations
@@ -27,12 +27,13 @@ from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
 FARTHEST = 0.5
-"""Largest residual of the adopted section point, as a fraction of the size of the motion, from which Newton's method is
-tried; twenty modes against a stop of ten thousand times the beam's own stiffness leave a tenth."""
+"""Largest residual of the adopted section point, divided by the size of the motion, from which Newton's method is
+tried; with twenty modes, and a stop ten thousand times as stiff as the beam, the residual is a tenth."""
 SETTLING = (0, 1, 4)
 """Periods of the orbit that the finer map has marched at each attempt of Newton's method."""
 _SAMPLES = 64
-"""Times in half an excitation period at which displacements are compared: without contact they are nearly harmonic."""
+"""Number of times in half an excitation period at which displacements are compared: without contact they are nearly
+harmonic."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class FinerMap:
     refinement: Refinement
     """Ratio of the two resolutions, and the order with which errors fall."""
     period_map: PeriodMap
-    """Its period map of the problem."""
+    """The period map of the problem at the finer resolution."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class OrbitErrors:
     source: str
     """How the errors were estimated, or why they are infinite."""
     comparison: Comparison | None = None
-    """The finer motion, for errors of other quantities; None where the errors are infinite."""
+    """The finer motion, for errors of other quantities; None if the errors are infinite."""
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
@@ -116,7 +117,7 @@ def _impulse_errors(orbit: Orbit, history: History, finer: History, refinement: 
 def _clear(
     orbit: Orbit, history: History, finer: History, refinement: Refinement, stops: Sequence[int]
 ) -> npt.NDArray[np.bool_]:
-    """Whether the motion keeps clear of stops that it does not touch, for certain."""
+    """Whether the motion certainly keeps clear of each of `stops`, which it does not touch."""
     x = np.array([history.problem.stops[k].x for k in stops])
     if not x.size:
         return np.zeros(0, dtype=bool)
@@ -144,8 +145,8 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
 
 
 def _whole(history: History) -> tuple[list[Contact], list[int]]:
-    """The contacts of a periodic motion, joined where its ends cut them in two; and the index of the whole of each
-    contact."""
+    """The contacts of a periodic motion, with a contact that its ends cut in two joined; and for each contact the index
+    of its whole."""
     contacts = history.contacts
     cut = {c.stop: i for i, c in enumerate(contacts) if c.open_end and not c.open_start}
     rest = {i: cut[c.stop] for i, c in enumerate(contacts) if c.open_start and not c.open_end and c.stop in cut}

@@ -1,4 +1,4 @@
-"""Parameters of the excitation: derivatives of the forces by them, and period maps at other values of them."""
+"""Parameters of the excitation: derivatives of the forces by a parameter, and period maps at other values of it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PERIODIC = (BaseMotion, HarmonicsBaseMotion)
 
 @runtime_checkable
 class Retunes(Protocol):
-    """A period map that makes the map of its structure under another excitation with less work than a new map takes."""
+    """A period map that gives the map for another excitation of its structure with less work than a new map."""
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map with another value of one parameter; None if the solver must make the map anew.
@@ -31,7 +31,10 @@ class Retunes(Protocol):
 
 @dataclass(frozen=True)
 class ExcitationChange:
-    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter."""
+    """How the ``H`` harmonic forces of a problem change with a parameter, per unit of the parameter.
+
+    The motions of stops fixed in space, `Problem.moved_stops`, follow the harmonic forces and count among them.
+    """
 
     frequency: float
     """Derivative of the logarithm of all angular frequencies."""
@@ -40,28 +43,29 @@ class ExcitationChange:
 
 
 def excitation_change(problem: Problem, field: str) -> ExcitationChange | None:
-    """How the excitation of a problem changes with the parameter at a path, which `lapjoint.Axis` takes.
+    """The derivatives of the excitation of a problem by the parameter with the path `field`, see `lapjoint.Axis`.
 
-    None if the parameter is neither the frequency of all periodic excitation, which is `FREQUENCY`, nor the amplitude
-    of a harmonic base motion, or if there are sampled forces.
+    None if the parameter is neither `FREQUENCY` nor `AMPLITUDE`, or if there are sampled forces.
     """
     base, forces = problem.base_motion, problem.forces
     if forces.sampled or problem.excitation_frequency is None:
         return None
     of_base = np.array([force.of_base for force in forces.harmonic], dtype=float)
+    moved = len(problem.moved_stops)
     if field == FREQUENCY:
         value = base.angular_frequency if isinstance(base, _PERIODIC) else problem.excitation_frequency
-        return change_with(FREQUENCY, value, of_base)
+        return change_with(FREQUENCY, value, of_base, moved)
     if field == AMPLITUDE and isinstance(base, BaseMotion) and base.amplitude > 0:
-        return change_with(AMPLITUDE, base.amplitude, of_base)
+        return change_with(AMPLITUDE, base.amplitude, of_base, moved)
     return None
 
 
-def change_with(field: str, value: float, of_base: FloatArray) -> ExcitationChange:
+def change_with(field: str, value: float, of_base: FloatArray, moved: int) -> ExcitationChange:
     """How ``H`` harmonic forces change with `FREQUENCY` or `AMPLITUDE`, which has a `value`, in its SI unit.
 
     `of_base`, (H,), is 1 for each force that the motion of the base causes, which goes with the square of the
-    frequency; else 0.
+    frequency; else 0.  `moved` is the number of waves by which stops fixed in space move: their sizes are amplitudes.
     """
-    sizes = 2 * of_base if field == FREQUENCY else of_base
+    of_force, of_stops = (2.0, 0.0) if field == FREQUENCY else (1.0, 1.0)
+    sizes = np.concatenate([of_force * of_base, np.full(moved, of_stops)])
     return ExcitationChange(1 / value if field == FREQUENCY else 0.0, sizes / value)

@@ -1,14 +1,13 @@
-"""The motion of one problem, seen once in each period of its excitation: what a solver gives for its orbits to be
-found.
+"""Period maps: the interface by which a solver gives the motion of one problem to the search for orbits.
 
-A *section point* is the state of a motion at a multiple of the period T.  The *period map* takes a section point to
-the one a period later; its fixed points are the periodic motions.  A problem that is its own mirror image has a finer
-map, over half a period and mirrored afterwards, z -> -z; its fixed points are the symmetric motions.
+A *section point* is the state of a motion at a multiple of the excitation period T.  The *period map* takes a section
+point to the section point one period later; its fixed points are the motions of period T.  A problem that is its own
+mirror image has a finer map, over half a period and then mirrored, z -> -z; its fixed points are the symmetric motions.
 
-A solver must give a `PeriodMap`.  The search is faster if the solver also gives `Tangent` (how deviations travel) and
-`Follows` (how one deviation travels over many periods); without them finite differences of `PeriodMap.march` take their
-place.  A deviation is a vector in the solver's own coordinates; the search only adds and scales deviations, and
-multiplies them by the matrices that the solver gave.
+A solver must give a `PeriodMap`.  The search is faster if the map also has the methods of `Tangent` (the derivative of
+a march) and `Follows` (the growth of one deviation over many periods); finite differences of `PeriodMap.march` replace
+missing ones.  A deviation is a vector in the solver's own coordinates.  The search only adds and scales deviations, and
+multiplies them by the solver's matrices.
 """
 
 from __future__ import annotations
@@ -30,14 +29,14 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class Passage:
-    """The end of a march over some half periods, and what happened on the way."""
+    """The end of a march over some half periods, and the impulses and switches on the way."""
 
     end: SectionPoint
     """Where the march ends."""
     impulses: FloatArray
     """Impulse of each stop over the march, N s, top positive, bottom negative, shape ``(stops,)``."""
     switches: int
-    """How often a stop opened or closed."""
+    """Number of switches: openings and closings of stops."""
 
 
 class PeriodMap(Protocol):
@@ -59,10 +58,10 @@ class PeriodMap(Protocol):
         """The section point of the problem's initial state."""
 
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
-        """March from a section point; time counts from 0 there.
+        """March from a section point, with time counted from 0 there.
 
-        Whole periods marched in one call end bit for bit as the same periods in several calls.  After an odd number of
-        half periods the end is a section point only once it is `mirrored`.
+        A march over several periods ends bit for bit where marches over the single periods end.  The end of a march
+        over an odd number of half periods becomes a section point when it is `mirrored`.
 
         Parameters
         ----------
@@ -83,7 +82,7 @@ class PeriodMap(Protocol):
         """
 
     def history(self, start: SectionPoint, periods: int) -> History:
-        """The march of `march` with everything that a `History` holds.
+        """The march of `march` as a `History`.
 
         Parameters
         ----------
@@ -162,7 +161,7 @@ class PeriodMap(Protocol):
         """
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
-        """The mirror image, z -> -z; asked for only if the problem is its own mirror image.
+        """The mirror image, z -> -z; called only if the problem is its own mirror image.
 
         A deviation between mirrored points is the negative of the deviation between the points.
 
@@ -178,7 +177,8 @@ class PeriodMap(Protocol):
         """
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
-        """A point of a neighbouring problem, or of another resolution of the same solver, on this map.
+        """A point of another map converted to this map: of a neighbouring problem, or of another resolution of the
+        solver.
 
         This problem's gaps decide which stops are open or closed.
 
@@ -200,7 +200,7 @@ class PeriodMap(Protocol):
 
 
 MOST_PIECES = 10_000_000
-"""Limit of the periods of a march whose motion is kept: more would take hours, and all memory."""
+"""Largest number of periods of a march whose motion is stored: more periods would take hours, and all memory."""
 
 
 def period_pieces(period: float, duration: float) -> list[float]:
@@ -218,10 +218,9 @@ def period_pieces(period: float, duration: float) -> list[float]:
 
 
 def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
-    """The periods that `decay_times` decay times 1 / (zeta omega) of the slowest free vibration take; 0 without
-    damping.
+    """Number of periods in `decay_times` decay times 1 / (zeta omega) of the slowest free vibration; 0 without damping.
 
-    It is ``most + 1`` where they are more than `most`, the largest number that the caller marches.
+    A number above `most`, the largest number that the caller marches, is given as ``most + 1``.
     """
     if not period_map.lowest_damping_rate:
         return 0
@@ -230,12 +229,12 @@ def decay_periods(period_map: PeriodMap, decay_times: float, most: int) -> int:
 
 
 class Derivative(NamedTuple):
-    """Derivative of a march's end, in the coordinates that belong to its start."""
+    """Derivative of the end of a march by its start, in the coordinates that belong to the start."""
 
     matrix: FloatArray
     """Derivative by the start, shape ``(n, n)``."""
     factors: tuple[FloatArray, FloatArray] | None = None
-    """Two matrices whose product `matrix` is, of shapes ``(n, r)`` and ``(r, n)`` with a small r; None if r is n."""
+    """Two matrices with the product `matrix`, of shapes ``(n, r)`` and ``(r, n)`` with a small r; None if r is n."""
 
 
 @dataclass(frozen=True)
@@ -245,11 +244,11 @@ class Linearised:
     end: SectionPoint
     """End of the march; not mirrored."""
     derivative: Callable[[], Derivative] = field(repr=False)
-    """Gives the derivative; called only where it is needed."""
+    """Returns the derivative; called only if it is needed."""
     trace: Callable[[], Sequence[Segment]] = field(repr=False)
-    """Gives the march from switch to switch, without gaps in time; called only where it is needed."""
+    """Returns the march from switch to switch, without gaps in time; called only if it is needed."""
     outline: Callable[[], Sequence[Segment]] | None = field(default=None, repr=False)
-    """Gives the march without deviations (`Segment.deviations` has no columns), where that is less work; else None."""
+    """Returns the march without deviations (`Segment.deviations` has no columns), if that is less work; else None."""
 
     @cached_property
     def known(self) -> Derivative:
@@ -263,9 +262,9 @@ class Linearised:
 
     @property
     def multipliers(self) -> ComplexArray:
-        """Eigenvalues of `matrix`, shape ``(n,)``: those of its factors in reverse order, and 0.
+        """Eigenvalues of `matrix`, shape ``(n,)``: with factors, of their product in reverse order, and 0.
 
-        Of a complex pair the one with the positive imaginary part comes first.
+        In a complex pair, the eigenvalue with the positive imaginary part comes first.
         """
         matrix, factors = self.known
         if factors is None:
@@ -319,15 +318,15 @@ class UnitNorms(Protocol):
 
 
 LEAST_GROWTH = 1e-150
-"""Least growth of a deviation over a period: sizes are roots of sums of squares, and the squares of smaller numbers
+"""Least growth of a deviation over a period: a size is a root of a sum of squares, and the squares of smaller numbers
 underflow."""
 
 
 def rescaled(deviation: FloatArray, norm: Callable[[FloatArray], float]) -> tuple[float, FloatArray]:
-    """The size, at least `LEAST_GROWTH`, of a deviation, (n,), that had unit size a period before; and the deviation,
-    scaled to unit size.
+    """Size, at least `LEAST_GROWTH`, of a deviation, (n,), of unit size one period earlier; and the deviation,
+    rescaled.
 
-    A deviation that has all but vanished has lost its direction, and any other deviation takes its place.
+    The direction of a deviation that has nearly vanished is lost; another deviation replaces it.
     """
     size = norm(deviation)
     if size < LEAST_GROWTH:
@@ -344,7 +343,7 @@ class Followed:
     impulses: FloatArray
     """Impulse of each stop over each period, N s, top positive, bottom negative, shape ``(periods, stops)``."""
     switches: int
-    """How often a stop opened or closed."""
+    """Number of switches: openings and closings of stops."""
     growth: FloatArray
     """Natural logarithm of the deviation's growth, at least `LEAST_GROWTH`, in each period, shape ``(periods,)``."""
     deviation: FloatArray
@@ -353,10 +352,10 @@ class Followed:
 
 @runtime_checkable
 class Follows(Protocol):
-    """A period map that carries one deviation along a long march by itself."""
+    """A period map that carries one deviation along a long march."""
 
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
-        """March over whole periods, bit for bit as `PeriodMap.march`, and carry one deviation along.
+        """March over whole periods, with the same bits as `PeriodMap.march`, and carry one deviation along.
 
         Parameters
         ----------

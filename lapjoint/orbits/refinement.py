@@ -5,9 +5,9 @@ power of the resolution or faster, |e'| <= |e| / r^p.  Only the difference d = e
 
     |e| <= |d| + |e'|,    |e'| <= |d| / (r^p - 1).
 
-The d of one number can be small by chance while its e' is not, because errors fall irregularly and may change sign.
-The numbers of one motion share its error.  The second term therefore takes the largest |d| of all numbers of the
-motion.  `SAFETY` is for numbers that converge more slowly than assumed.
+The d of one number can be small by chance although its e' is not, because errors fall irregularly and may change sign.
+All numbers of one motion have errors of similar size.  In the bound of |e'| the largest |d| of all these numbers is
+therefore taken.  `SAFETY` allows for numbers that converge more slowly than assumed.
 
 A derivative of the displacement converges more slowly than the displacement.  Each derivative by x multiplies the part
 of the k-th mode by k, and each derivative by t by k^2, because a beam's frequencies go with the square of the wave
@@ -24,13 +24,13 @@ import numpy as np
 from lapjoint.problem import FloatArray
 
 SAFETY = 3.0
-"""Stated errors divided by the errors that follow from the order of convergence.  Where a mesh hardly resolves contacts
-with a stiff stop, one true error in twenty is larger than the latter, up to three times."""
+"""Factor between the stated error and the error by the order of convergence.  Where a mesh hardly resolves contacts
+with a stiff stop, one true error in twenty is larger than the error by the order, up to three times."""
 LEAST_ORDER = 1.0
 """Least order of convergence of any derivative: after a kink of a force the acceleration of mode k goes with k^-2, and
 the sum of the truncated modes with k^-1."""
 ROUNDING = 1e-12
-"""Relative error that refinement does not show: that of located switches, and of arithmetic."""
+"""Relative error that refinement does not show: the error of located switches, and of arithmetic."""
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,14 @@ class Refinement:
     ratio: float
     """Resolution of the finer solver divided by that of the solver, above 1."""
     order: float
-    """Order of convergence that all but few problems reach."""
+    """Order of convergence that nearly all problems reach."""
 
     def bounds(self, differences: FloatArray, largest: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
         """Errors of numbers of one motion, (n,), from the differences between two solvers, (n,), in one unit.
 
-        `largest` is the largest difference of the numbers that share an error with each, (n,) or one for all; `dx` and
-        `dt` are the orders of the derivatives of the displacement that the numbers are, 0 for those of contacts.
+        `largest` is the largest difference of all numbers with errors of similar size, (n,) or one for all.  `dx` and
+        `dt` are the orders of the derivatives of the displacement that the numbers are; both are 0 for numbers of
+        contacts.
         """
         order = max(self.order - dx - 2 * dt, LEAST_ORDER)
         return np.asarray(SAFETY * (np.abs(differences) + largest / math.expm1(order * math.log(self.ratio))))

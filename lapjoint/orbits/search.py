@@ -1,22 +1,23 @@
-"""The search for the steady state: march, and find by Newton's method an orbit that the march is bound for.
+"""The search for the steady state: march, and find by Newton's method an orbit for which the march is bound.
 
-The march continues period by period, as `simulate` does.  Now and then Newton's method begins at its section point: for
-one period, symmetric motions first, and for several periods after which the march has nearly come back.  A stable orbit
-is the steady state only if the march is bound for it, that is, stays near it for all later time
-(`lapjoint.orbits.approach`).  If the march is not yet bound for it, the forecast says how long to march before the next
-test.  The orbit is dropped if the march meanwhile leaves the course that the linearised map predicts.
+The march continues period by period, as in `simulate`.  From time to time Newton's method begins at its section point:
+for one period, symmetric motions first, and for several periods after which the march has nearly come back.  A stable
+orbit is the steady state only if the march is bound for it: certain to converge to it (`lapjoint.orbits.approach`).  If
+the march is not yet bound for the orbit, the forecast says how long to march before the next test.  The orbit is
+dropped if the march meanwhile departs from the prediction of the linearised map.
 
 A march that cannot leave an unstable motion is pushed off it (`lapjoint.orbits.unstable`).  A march that has not
-settled for long is followed together with a deviation, and its Lyapunov exponent is measured over ever longer
-stretches of periods.  The outcome is believed when two successive stretches show it, the second longer than the first:
-a long transient, or chaos that pauses, deceives one of them more easily than both.  The second stretch must last for
-twenty decay times of the slowest free vibration.  It must last for a hundred if a stable orbit is known, or is found
-where the march nearly comes back.  Both lengths are limited by the effort allowed.  The motion counts as accepted at
-the start of the second stretch, from which anyone can repeat it.  A march that nearly comes back is not called
-quasi-periodic.
+settled after many periods is followed together with a deviation, and its Lyapunov exponent is measured over ever longer
+stretches of periods.  An outcome counts if two successive stretches show it, the second longer than the first: a long
+transient, or chaos that pauses, deceives one stretch more easily than two.  The second stretch must last for twenty
+decay times of the slowest free vibration.  For an aperiodic outcome it must last for a hundred if a stable orbit is
+known, or is found where the march nearly comes back.  Both lengths are limited by the allowed effort.  The motion
+counts as accepted at the start of the second stretch, from which anyone can repeat it.  A march that nearly comes back
+is not called quasi-periodic.
 
-Where a deviation grows beyond rounding in each of the last periods, rounding alone decides where each period ends.
-Newton's method is then not tried again, and the stretches begin at once, as short as a standard error allows.
+If a deviation grows by more than `BEYOND_ROUNDING` in each of the last periods, rounding alone decides where each
+period ends.  Newton's method is then not tried again, and the stretches begin at once, with the least length for a
+standard error.
 
 All effort is counted in periods and switches: no outcome depends on the speed of the machine.
 """
@@ -52,42 +53,43 @@ TRANSIENT = 256
 STRETCH = 512
 """Least number of periods over which an exponent is measured."""
 SHORT_STRETCH = 64
-"""Least number of periods of a stretch where a deviation grows beyond rounding in each period: enough for a standard
-error of the mean."""
+"""Least number of periods of a stretch if rounding decides where each period ends: enough for a standard error of the
+mean."""
 _NEARLY_BACK = 0.05
-"""Largest distance from an earlier section point, as a fraction of the size of the motion, from which Newton's method
-is tried for an orbit over the periods between them."""
+"""Largest distance from an earlier section point, divided by the size of the motion, with which Newton's method is
+tried for an orbit over the periods between the two points."""
 _RETURNS = 3
-"""Newton's method is tried from this many of the nearest earlier section points."""
+"""Number of the nearest earlier section points for which Newton's method is tried."""
 _NEAR = 0.2
 """Largest residual over several periods, as a fraction of the size of the motion, from which Newton's method is
 tried."""
 _COURSE = 0.25
 """Largest error of the linearised map's prediction of the march, as a fraction of the step that it predicts."""
 _SLOWER = 0.5
-"""Largest error of the linearised map's prediction, as a fraction of the decrease of the distance by the slowest
-multiplier: a march with a larger error may go around the orbit for ever."""
+"""Largest error of the linearised map's prediction, divided by the decrease of the distance by the slowest multiplier:
+a march with a larger error may circle the orbit for ever."""
 _THERE = 1e-8
 """Distance from an orbit, as a fraction of the size of the motion, within which rounding decides the direction of a
 step."""
 _AT = 1e-11
-"""Distance from an orbit, as a fraction of the size of the motion, within which a march is at the orbit: rounding and
-the tolerance of switches make some 1e-13."""
+"""Distance from an orbit, divided by the size of the motion, within which a march is at the orbit: rounding and the
+tolerance of switches leave some 1e-13."""
 MULTIPLES_AT_A_LOOK = 8
-"""Periods marched each time Newton's method is tried, to see after which number of periods the march comes back."""
+"""Number of periods marched each time Newton's method is tried, to find the number of periods after which the march
+comes back."""
 DECAY_TIMES = 20.0
 """Least length of the second stretch, in decay times of the slowest free vibration: exp(-20) = 2e-9."""
 SUSPECT = 5
-"""Factor of `DECAY_TIMES` where a stable orbit is known: chaos may then be a long transient."""
+"""Factor on `DECAY_TIMES` if a stable orbit is known: chaos may then be a long transient."""
 _WATCHED = 192
 """Number of the last points of a stretch among which nearly closed orbits are searched for."""
 _FEW = 3
 """Longest period of the nearly closed orbits searched for, in excitation periods."""
 _TRIED = 4
-"""Newton's method is tried for this many of the nearly closed orbits, the most nearly closed first."""
+"""Number of the nearly closed orbits for which Newton's method is tried, the most nearly closed first."""
 _LOCKED = 1e-3
-"""A motion that comes nearer than this to an earlier section point, as a fraction of the breadth of the march, may be
-locked to some multiple of the period, and is not called quasi-periodic."""
+"""Distance from an earlier section point, divided by the breadth of the march, below which a motion may be locked to a
+multiple of the period, and is not called quasi-periodic."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +99,7 @@ class Effort:
     max_period_multiple: int = 64
     """Longest period of the periodic motions searched for, in excitation periods."""
     max_periods: int = 16_000
-    """Limit of the excitation periods marched; where an exponent has to be measured, at least one stretch more."""
+    """Limit of the excitation periods marched; if an exponent has to be measured, at least one stretch is added."""
     max_switches: int = 20_000_000
     """Limit of the switches during the march."""
     growth: bool = True
@@ -115,22 +117,22 @@ class SearchResult:
 
 
 def near(half_periods: HalfPeriods, share: float, orbit: Orbit, deviation: FloatArray) -> bool:
-    """Whether a deviation, (n,), is within a fraction `share` of the orbit's size, or within ten residuals of the
-    orbit."""
+    """Whether a deviation, (n,), is at most `share` times the orbit's size, or at most ten times the orbit's
+    residual."""
     return half_periods.relative(deviation, orbit.point) <= max(share, 10 * orbit.residual)
 
 
 def as_linearised(
     half_periods: HalfPeriods, orbit: Orbit, deviation: FloatArray, after: Callable[[], FloatArray]
 ) -> bool:
-    """Whether a march approaches a stable orbit by nearly the step that the linearised map makes.
+    """Whether the step of a march towards a stable orbit agrees with the linearised map.
 
-    `deviation`, (n,), is e at the orbit's section point; `after` gives e one period of the orbit later, and is called
-    only where it is needed.  Without switches the march must make that step if it is bound for the orbit, and within
-    rounding of the orbit nothing can be compared.  Else let M be the derivative of the map.  The error of the
-    linearised step must be small compared with (I - M) e, the error that another fixed point would make.  It must also
-    be small compared with the decrease of the distance by the slowest multiplier: a motion of many periods around the
-    orbit would make a larger error.
+    `deviation`, (n,), is e at the orbit's section point; `after` returns e one period of the orbit later, and is called
+    only if it is needed.  The answer is True without a comparison if the orbit has no switches, because the map is then
+    linear, and within rounding of the orbit.  Otherwise let M be the derivative of the map.  The error of the
+    linearised step must be small compared with (I - M) e, the error near another fixed point.  It must also be small
+    compared with the decrease of the distance by the slowest multiplier, because a motion of many periods around the
+    orbit would have a larger error.
     """
     if not orbit.watch.switches.time.size or near(half_periods, _THERE, orbit, deviation):
         return True
@@ -151,14 +153,15 @@ class SteadyStateSearch:
         self.marched = 0
         """Periods marched."""
         self._switches = self._pushes = 0
-        self._growth: list[FloatArray] = []  # logarithms, period by period, of what was followed
+        self._growth: list[FloatArray] = []  # logarithms of the growth in each period that was followed
         self._deviation: FloatArray | None = None
         self._spirals = False  # whether an unstable orbit is known that nearby motions leave in spirals
-        self._stable_known = False  # whether a stable orbit is known that the march is not bound for
-        self._closest = (np.inf, 2)  # how closely the march came back at the last look, and after how many half periods
+        self._stable_known = False  # whether a stable orbit is known for which the march is not bound
+        self._closest = (np.inf, 2)  # distance of the last nearest return, and its half periods
 
     def run(self, start: SectionPoint, first_look: int = FIRST_LOOK) -> SearchResult:
-        """March until a motion is certified, or effort is spent; Newton's method begins after `first_look` periods."""
+        """March until a motion is certified, or the effort is spent; Newton's method begins after `first_look`
+        periods."""
         self.point, look = start, first_look
         while self.marched < TRANSIENT and not self._spent:
             self._advance(min(look, TRANSIENT, self._effort.max_periods) - self.marched)
@@ -209,7 +212,7 @@ class SteadyStateSearch:
         return decay_periods(self._map, DECAY_TIMES, self._effort.max_periods)
 
     def _long_enough(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
-        """Whether a stretch that confirms the one before it was long enough to be believed."""
+        """Whether a stretch that confirms the previous stretch was long enough to count."""
         if now.outcome is Outcome.UNDECIDED:
             return True
         least = self._enough * (SUSPECT if self._may_settle(now, points) else 1)
@@ -217,11 +220,11 @@ class SteadyStateSearch:
 
     @property
     def _spent(self) -> bool:
-        """Whether the effort allowed is spent."""
+        """Whether the allowed effort is spent."""
         return self.marched >= self._effort.max_periods or self._switches >= self._effort.max_switches
 
     def _found(self, motion: Orbit | Wandering, at: Acceptance | None = None) -> SearchResult:
-        """The result of the search, accepted here, or where the last stretch began."""
+        """The result of the search, accepted at the present point or, with `at`, where the last stretch began."""
         growth = largest_growth(np.concatenate(self._growth)) if self._effort.growth and self._growth else None
         at = at or Acceptance(self.point, self.marched)
         return SearchResult(motion, replace(at, pushes=self._pushes, growth=growth))
@@ -246,7 +249,7 @@ class SteadyStateSearch:
         return found
 
     def _unit_deviation(self) -> FloatArray:
-        """The deviation that has been followed to here, or a random one, of unit size, shape ``(n,)``."""
+        """The deviation that was followed to the present point, or else a random one, of unit size, shape ``(n,)``."""
         random = self._random_deviation()
         known = self._deviation is not None and self._deviation.size == random.size
         return self._deviation if known and self._deviation is not None else random
@@ -263,7 +266,7 @@ class SteadyStateSearch:
             self._progress(min(self.marched, self._effort.max_periods), self._effort.max_periods)
 
     def _look(self) -> Orbit | None:
-        """The orbit that the march is bound for, if one is found; the march advances meanwhile."""
+        """The orbit for which the march is bound, if one is found; the march advances meanwhile."""
         for count in range(self._half_periods.least, 3, self._half_periods.least):
             orbit = self._orbit(count, FAR)
             if orbit is not None:
@@ -282,7 +285,8 @@ class SteadyStateSearch:
         return None
 
     def _orbit(self, count: int, farthest: float) -> Orbit | None:
-        """The orbit over `count` half periods that Newton's method finds from here, if the march is bound for it."""
+        """The orbit over `count` half periods that Newton's method finds from the present point, if the march is bound
+        for it."""
         if self._rounding_decides:
             return None
         orbit = find_orbit(self._half_periods, self.point, count, farthest)
@@ -315,9 +319,9 @@ class SteadyStateSearch:
                 return False
 
     def _stays(self, orbit: Orbit) -> bool:
-        """March until free vibration has decayed; whether the march is still at the orbit.
+        """March until free vibration has decayed; return whether the march is still at the orbit.
 
-        A stop that chatters, or is touched by less than rounding, leaves no room for any deviation, and no forecast can
+        If a stop chatters, or is touched by less than rounding, there is no room for any deviation, and no forecast can
         show that a march is bound for the orbit.
         """
         multiple = orbit.period_multiple
@@ -328,7 +332,7 @@ class SteadyStateSearch:
         return near(self._half_periods, _AT, orbit, self._map.difference(self.point, orbit.point))
 
     def _as_linearised(self, orbit: Orbit, deviation: FloatArray) -> bool:
-        """Whether the next step of the march to the orbit is that of the linearised map; see `as_linearised`."""
+        """Whether the next step of the march agrees with the linearised map of the orbit; see `as_linearised`."""
 
         def after() -> FloatArray:
             return self._map.difference(self._half_periods.marched(self.point, orbit.half_periods), orbit.point)
@@ -336,7 +340,7 @@ class SteadyStateSearch:
         return as_linearised(self._half_periods, orbit, deviation, after)
 
     def on_course(self, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
-        """March over some periods; whether the march keeps to the course that the linearised map predicts.
+        """March over some periods; return whether the march follows the prediction of the linearised map.
 
         March and prediction are compared after 1, 3, 7, 15 ... periods of the orbit, and at the end.
         """
@@ -359,7 +363,7 @@ class SteadyStateSearch:
         return done >= steps
 
     def _push_off(self) -> bool:
-        """Push the march off an unstable motion that it cannot leave; whether there is one."""
+        """Push the march off an unstable motion that it cannot leave; return whether there is one."""
         closest, count = self._closest
         if closest > REPEATS:
             return False
@@ -371,7 +375,7 @@ class SteadyStateSearch:
         return True
 
     def _disturbed(self, now: Wandering) -> bool:
-        """Disturb an aperiodic march; whether it was so narrow that the disturbance counts as a push."""
+        """Disturb an aperiodic march; return whether it was so narrow that the disturbance counts as a push."""
         if not now.exponent.positive:
             return False
         # The deviation that has grown may keep a symmetry of the march; a random one breaks it.
@@ -383,7 +387,7 @@ class SteadyStateSearch:
         return pushed
 
     def _come_back(self, points: Sequence[SectionPoint]) -> Orbit | None:
-        """The orbit of many periods that the march is bound for, found by the nearest returns of its last points."""
+        """The orbit of many periods for which the march is bound, found from the nearest returns of its last points."""
         most = min(self._effort.max_period_multiple, len(points) - 1)
         returns = np.array([self._half_periods.apart(points[-1 - n], points[-1]) for n in range(1, most + 1)])
         if not returns.size or returns.min() > _NEARLY_BACK:
@@ -399,9 +403,9 @@ class SteadyStateSearch:
         return None
 
     def _may_settle(self, now: Wandering, points: Sequence[SectionPoint]) -> bool:
-        """Whether an aperiodic march may be a long transient: there is a stable orbit.
+        """Whether an aperiodic march may be a long transient, because there is a stable orbit.
 
-        Orbits are searched for where the march nearly comes back after a few periods.
+        Orbits are searched where the march nearly comes back after a few periods.
         """
         if now.outcome is not Outcome.APERIODIC or self._stable_known or self._rounding_decides:
             return self._stable_known and now.outcome is Outcome.APERIODIC
@@ -417,7 +421,8 @@ class SteadyStateSearch:
         return self._stable_known
 
     def _measured(self, periods: int) -> tuple[Wandering, Sequence[SectionPoint]]:
-        """March over a stretch of periods, and measure the largest Lyapunov exponent; with its section points."""
+        """March over a stretch of periods, and measure the largest Lyapunov exponent; return also its section
+        points."""
         found = self._follow(periods)
         assert found is not None
         exponent = exponent_of(found.growth, self._map.period)

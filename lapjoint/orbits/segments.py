@@ -1,4 +1,4 @@
-"""The segments of an orbit between its switches, and how deviations travel along each, as a solver gives them."""
+"""The segments of an orbit between its switches, and deviations along each, as a solver gives them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lapjoint.problem import FloatArray
 
 
 class Segment(NamedTuple):
-    """The part of an orbit between two switches, and how deviations from the orbit travel along it.
+    """The part of an orbit between two switches, and the deviations from the orbit along it.
 
     With tau = t - start, and e a deviation at the start of the whole march, of shape ``(n,)``,
 
@@ -48,9 +48,9 @@ class Segment(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Segments(Sequence[Segment]):
-    """The ``S`` segments of an orbit in arrays, with zeros where a segment has fewer terms than another.
+    """The ``S`` segments of an orbit in arrays, padded with zeros if segments have different numbers of terms.
 
-    Each `Segment` is made when it is asked for.
+    Each `Segment` is made on access.
     """
 
     start: FloatArray

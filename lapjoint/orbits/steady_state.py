@@ -1,4 +1,4 @@
-"""The steady state of a problem, made of the motion that the search found."""
+"""The steady state of a problem, made from the motion that the search found."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def find_steady_state(
     errors: bool = True,
     progress: Progress | None = None,
 ) -> SteadyState:
-    """The motion that remains when a march has settled, with its certificate.
+    """The steady state to which a march converges, with its certificate.
 
     Parameters
     ----------
@@ -47,10 +47,10 @@ def find_steady_state(
     effort : Effort
         Limits of the search.
     start : SectionPoint, optional
-        Where to begin instead of at the problem's initial state: a section point of the same solver, of this or a
-        neighbouring problem.
+        Start of the march, by default the problem's initial state: a section point of the same solver, of this problem
+        or a neighbouring one.
     finer : callable, optional
-        Gives the period map at a finer resolution; without `finer` the errors of a periodic motion are unknown.
+        Returns the period map at a finer resolution; without `finer` the errors of a periodic motion are unknown.
     errors : bool
         Whether to estimate the errors of the impulses and of the contacts.
     progress : callable, optional
@@ -59,7 +59,7 @@ def find_steady_state(
     Returns
     -------
     SteadyState
-        Its outcome says whether the motion is periodic, aperiodic or undecided.
+        The steady state; its outcome says whether it is periodic, quasi-periodic, aperiodic or undecided.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def find_steady_state(
 
 
 def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable[[], FinerMap] | None) -> SteadyState:
-    """A steady state with its errors: by a finer resolution, or standard errors where the motion does not repeat."""
+    """A steady state with its errors: by a finer resolution, or standard errors if the motion does not repeat."""
     if isinstance(motion, Wandering):
         source = f"standard error of the mean over {motion.exponent.periods} periods"
         unknown = "unknown: the motion does not repeat, and a finer one makes other contacts"
@@ -118,7 +118,7 @@ def _certified(period_map: PeriodMap, solver: str, found: SearchResult, effort: 
 
 
 def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance: Acceptance | None) -> SteadyState:
-    """A periodic motion, stable or not, with its certificate; `acceptance` is None where nothing was marched."""
+    """A periodic motion, stable or not, with its certificate; `acceptance` is None without a march."""
     history = period_map.history(orbit.point, orbit.period_multiple)
     return SteadyState(
         problem=period_map.problem,
@@ -137,5 +137,5 @@ def periodic_state(period_map: PeriodMap, solver: str, orbit: Orbit, acceptance:
 
 
 def mirrors_itself(history: History) -> bool:
-    """Whether a motion over one period must mirror itself: it answers harmonic loads alone, and touches nothing."""
+    """Whether a motion over one period must mirror itself: there are harmonic loads only, and no contact."""
     return not history.contacts and history.problem.forces.change_sign

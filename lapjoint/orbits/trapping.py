@@ -1,13 +1,13 @@
-r"""Deviations from a stable orbit that are certain to die out, tested for many marches at once.
+r"""A test, for many marches at once, of whether deviations from a stable orbit are certain to decay.
 
 `lapjoint.orbits.approach` tests whether the deviation e of one march, and all later deviations e_k, meet its
-conditions. With the eigenvectors V of the orbit's derivative, a = V^-1 e, and no multiplier outside the unit circle,
+conditions.  With the eigenvectors V of the orbit's derivative, a = V^-1 e, and no multiplier outside the unit circle,
 
     |D e_k| <= sum_i |D V_i| |a_i|    for all k >= 0,
 
-and likewise at the switches.  If these bounds meet the conditions, all e_k do.  The test is the last step of a
-forecast, made at k = 0.  It binds a march some periods later than the forecast does, but takes one product of matrices
-for many marches.
+and likewise for X and X' at the switches.  If these bounds meet the conditions, all e_k do.  This is the last step of a
+forecast, at k = 0.  The test succeeds some periods later than the forecast, but needs only one matrix product for many
+marches.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from lapjoint.orbits.watch import Deviated
 from lapjoint.problem import FloatArray
 
 _SOUND_BASIS = 1e-6
-"""Largest error of V V^-1 for which the eigenvectors are a basis.  Without a basis no deviation is trapped."""
+"""Largest error of V V^-1 with which the eigenvectors count as a basis.  Without a basis no deviation is trapped."""
 
 
 @dataclass(frozen=True)
 class Trap:
-    """A stable orbit, with the test of deviations from it."""
+    """A stable orbit, with the test of whether deviations from it decay."""
 
     orbit: Orbit
 
@@ -52,7 +52,7 @@ class Trap:
         return Deviated(*(_modulus(part) for part in (both.largest, both.at_switches, both.rates)))
 
     def holds(self, deviations: FloatArray) -> np.ndarray:
-        """Whether marches with deviations, (k, n), are bound for the orbit as far as its linearised map tells, (k,)."""
+        """Whether marches with deviations, (k, n), are bound for the orbit according to its linearised map, (k,)."""
         held = np.zeros(len(deviations), dtype=np.bool_)
         if self._inverse is None or not len(deviations):
             return held

@@ -1,14 +1,14 @@
-"""A march that stays at an unstable motion, and how it is pushed off.
+"""Pushing a march off an unstable motion that it cannot leave.
 
-Deviations from an unstable motion grow, but a march may have none.  A march from rest keeps a symmetry of the problem,
-for example of left and right, though the motion may be unstable to deviations that break the symmetry.  Truncation to
-some modes, too, can keep a march near an unstable motion: where two stops switch together, their order decides which
-part of the motion the modes of the state between the switches lose.  The map jumps there by some c.  Where the jump
-points back, a deviation d grows only if (mu - 1) |d| > c, with the multiplier mu.  No motion of a real joint stays near
-an unstable motion for these reasons.
+Deviations from an unstable motion grow, but a march may have no deviation.  A march from rest keeps a symmetry of the
+problem, for example of left and right, although the motion may be unstable to deviations that break this symmetry.
+Truncation can also keep a march near an unstable motion.  If two stops switch nearly together, their order decides
+which part of the motion is lost by the modes of the state between the two switches, so the map jumps by some c.  If the
+jump points back to the unstable motion, a deviation d grows only if (mu - 1) |d| > c, with the multiplier mu.  No
+motion of a real joint remains near an unstable motion for these reasons.
 
-A march that repeats, but whose deviations grow, is therefore pushed in the direction in which they grow most, to the
-side on which the march already is, well beyond the distance by which it has been seen to wander.
+If a march repeats while deviations from it grow, it is therefore pushed in the direction in which deviations grow most,
+to the side on which the march already is, and well beyond the distance by which the march wanders.
 """
 
 from __future__ import annotations
@@ -21,27 +21,27 @@ from lapjoint.orbits.newton import GROWS
 from lapjoint.problem import FloatArray
 
 REPEATS = 1e-4
-"""A march that comes back within this distance, as a fraction of the size of the motion, repeats; with ten or more
-modes the map may jump by this much."""
+"""Largest distance between start and end of a march that counts as repeating, divided by the size of the motion; with
+ten or more modes the map may jump by this distance."""
 NARROW = 1e-2
-"""Largest distance from an unstable motion, as a fraction of its size, at which truncation may keep a march."""
+"""Largest distance from an unstable motion, divided by its size, at which truncation may keep a march."""
 PUSHES = 3
-"""Most pushes of one march, each ten times as long as the push before: at least 1e-4 of the motion's size, then 1e-2 at
-the third."""
+"""Largest number of pushes of one march, each ten times as long as the previous one: at least 1e-4 of the motion's size
+for the first, and 1e-2 for the third."""
 _BEYOND = 10.0
-"""Length of the first push divided by the breadth of the march, and of each later push divided by the push before."""
+"""Length of the first push, divided by the distance by which the march wanders; also the ratio of each later push to
+the previous one."""
 _FARTHEST = 3e-2
-"""Longest push, as a fraction of the size of the motion: after a longer one the march would begin anew."""
+"""Longest push, divided by the size of the motion: after a longer push the march would begin anew."""
 _DISTURBANCE = 1e-3
-"""Length of the disturbance of a chaotic march, as a fraction of its size: far above rounding, too little to end
-chaos."""
+"""Length of the disturbance of a chaotic march, divided by its size: far above rounding, and too small to end chaos."""
 
 
 def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: int) -> SectionPoint | None:
-    """The point at which a march that cannot leave an unstable motion continues, pushed off it; None if it is at none.
+    """The point `now` of a march, pushed off an unstable motion that the march cannot leave; None if there is none.
 
-    After `count` half periods the march comes back most closely, and it has been pushed `times` before.  The answer is
-    None, too, if the derivative is beyond double precision, and gives no direction.
+    The march returns most closely after `count` half periods, and was pushed `times` times before.  The answer is also
+    None if the derivative overflows double precision, so that no direction is known.
     """
     if times >= PUSHES:
         return None
@@ -57,22 +57,22 @@ def pushed_off(half_periods: HalfPeriods, now: SectionPoint, count: int, times: 
 def disturbed(
     half_periods: HalfPeriods, now: SectionPoint, wander: float, deviation: FloatArray, times: int
 ) -> SectionPoint:
-    """The point of an aperiodic march, moved along a unit deviation, (n,), that has grown with it: chaos must persist.
+    """The point `now` of an aperiodic march, moved along a unit deviation, (n,), carried with it: chaos must persist.
 
-    `wander` is the distance of the march from repeating, as a fraction of its size.  Up to `NARROW` the march may be
-    unable to leave an unstable motion, and is pushed as far as in `pushed_off`; it has been pushed `times` before.
+    `wander` is the distance of the march from repeating, divided by its size.  If it is at most `NARROW`, the march may
+    be unable to leave an unstable motion, and the displacement is as long as in `pushed_off` after `times` pushes.
     """
     length = _length(wander, times) if wander <= NARROW else _DISTURBANCE
     return _moved(half_periods, now, length * deviation)
 
 
 def _length(wander: float, times: int) -> float:
-    """Length of the next push of a march that wanders by `wander`; both as fractions of its size."""
+    """Length of the next push of a march that wanders by `wander`; both divided by the size of the motion."""
     return min(max(REPEATS, _BEYOND * wander) * _BEYOND**times, _FARTHEST)
 
 
 def _moved(half_periods: HalfPeriods, now: SectionPoint, part: FloatArray) -> SectionPoint:
-    """A section point moved by `part`, a deviation divided by the point's size, shape ``(n,)``."""
+    """A section point moved by a deviation; `part`, shape ``(n,)``, is the deviation divided by the point's size."""
     return half_periods.map.moved(now, half_periods.map.size(now) * part)
 
 
@@ -84,6 +84,6 @@ def _growing(half_periods: HalfPeriods, matrix: FloatArray, step: FloatArray) ->
         return None
     direction = np.real(vectors[:, leading])
     direction = direction / half_periods.map.norm(direction)
-    # A step is (mu - 1) times the deviation.  With a complex pair, or mu below -1, the march sees both sides.
+    # A step is (mu - 1) times the deviation.  With a complex pair, or mu below -1, the march visits both sides.
     side = np.real(np.linalg.solve(vectors, step.astype(vectors.dtype))[leading])
     return direction if side >= 0 else -direction

@@ -19,23 +19,25 @@ class Wandering:
     """A stretch of a march over which an exponent was measured."""
 
     outcome: Outcome
-    """The outcome that it shows: aperiodic, quasi-periodic, or undecided."""
+    """The outcome that the stretch shows: aperiodic, quasi-periodic, or undecided."""
     exponent: Exponent
     """The largest Lyapunov exponent over the stretch."""
     point: SectionPoint
     """Section point at which the stretch ends."""
     breadth: float
-    """Farthest return of its last points, as a fraction of their size, at the period multiple that makes it least."""
-    residual: float
-    """Distance of its last return, as a fraction of their size, at the period multiple that makes this distance
+    """Largest distance between last points one period multiple apart, divided by their size, for the multiple with the
     least."""
+    residual: float
+    """Distance between the last point and the point one period multiple before, divided by their size, for the multiple
+    with the least distance."""
     impulses: FloatArray
     """Mean impulse of each stop over one excitation period, N s, shape ``(stops,)``."""
     standard_errors: FloatArray
     """Standard errors of these means, with the correlation from period to period, N s, shape ``(stops,)``."""
 
     def confirms(self, before: Wandering) -> bool:
-        """Whether this stretch shows what the stretch before it showed, so that a longer one would tell nothing new.
+        """Whether this stretch shows the outcome of the previous stretch, so that a longer stretch would show nothing
+        new.
 
         Two undecided stretches agree if deviations died out in both: the motion repeats, after more periods than were
         searched.
@@ -50,11 +52,11 @@ def outcome_of(
 ) -> Outcome:
     """The outcome that one measurement of a march establishes: `APERIODIC`, `QUASIPERIODIC` or `UNDECIDED`.
 
-    The exponent tells nothing of a march that repeats.  It tells nothing, either, of a march so narrow that it may be
-    unable to leave an unstable motion, before it has been pushed often enough: there the exponent is the growth of
-    deviations that the march does not make.  `breadth` is the distance of the march from repeating, as a fraction of
-    its size.  `spirals` says whether an unstable periodic motion is known that nearby motions leave in spirals.
-    `pushes` counts the pushes off an unstable motion.
+    The exponent proves nothing about a march that repeats.  It proves nothing, either, about a march so narrow that it
+    may be unable to leave an unstable motion, unless it was pushed often enough: the exponent is then the growth of
+    deviations that the march does not have.  `breadth` is the distance of the march from repeating, divided by its
+    size.  `spirals` says whether an unstable periodic motion is known that nearby motions leave in spirals.  `pushes`
+    counts the pushes off an unstable motion.
     """
     if breadth <= REPEATS:
         return Outcome.UNDECIDED
@@ -64,10 +66,7 @@ def outcome_of(
 
 
 def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoint], most: int) -> tuple[float, float]:
-    """Farthest and last return of the last points of a march, as fractions of their size: how far it is from repeating.
-
-    Each is taken at the period multiple, up to `most`, that makes it least.
-    """
+    """`Wandering.breadth` and `Wandering.residual` of section points of a march, over period multiples up to `most`."""
     last = points[-_WATCHED - 1 :]
     map_ = half_periods.map
     size = max(map(map_.size, last)) + 1e-300
@@ -80,7 +79,7 @@ def breadth_and_residual(half_periods: HalfPeriods, points: Sequence[SectionPoin
 
 
 def nearest_return(half_periods: HalfPeriods, points: Sequence[SectionPoint]) -> float:
-    """The least distance of a march's last point from its later half, as a fraction of the size; inf without another
-    point."""
+    """The least distance of the last of `points` from the others of their later half, divided by the size; inf without
+    others."""
     later = points[len(points) // 2 : -1]
     return min((half_periods.apart(point, points[-1]) for point in later), default=float("inf"))

@@ -1,14 +1,14 @@
-r"""Bounds on the distances of an orbit, and of deviations from it, to every stop, at every phase and not only at
-samples.
+r"""Bounds on the distances of an orbit from all stops, and on the motion of deviations there, at every phase.
 
 Along an orbit the beam has a distance |h_s(t)| from the gap of each stop s, zero where the stop switches.  A deviation
 e at the start moves the beam at the stop by d_s(t) = D_s(t) e.  Time is cut into intervals; in each
 
     |h_s| >= min over both ends - H w^2 / 8,      |d_s| <= max over both ends + sum_k |a_k| min(|r_k|^2 w^2 / 8, 2)
 
-with w the width, H a bound on |h_s''|, and a_k exp(r_k t) the terms of d_s.  No term grows.  The error of a chord is at
-most w^2 / 8 times the second derivative of the function, and for a term at most twice its size.  Intervals are narrower
-where the first bound would not be tight, and towards the switches, where h vanishes.
+where w is the width of the interval, H a bound on |h_s''|, and a_k exp(r_k t) are the terms of d_s, of which none
+grows.  The reason is that the error of a chord is at most w^2 / 8 times the second derivative of the function, and for
+a term at most twice its size.  Intervals are narrower where the first bound would not be tight, and towards the
+switches, where h vanishes.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from lapjoint.problem import FloatArray, Problem, Stop
 
 BoolArray = npt.NDArray[np.bool_]
 _PER_HALF_PERIOD = 16
-"""Least number of intervals in half a period of the fastest excitation, before any is divided."""
+"""Least number of intervals in half a period of the fastest excitation, before intervals are divided."""
 
 
 @dataclass(frozen=True)
@@ -92,23 +92,24 @@ class Watch(Protocol):
 
     @property
     def switches(self) -> Switches:
-        """Its switches."""
+        """The switches of the orbit."""
 
     @property
     def intervals(self) -> Intervals:
-        """Pairs of a stop and an interval, for all stops and all its intervals."""
+        """Pairs of a stop and an interval, for all stops and all intervals."""
 
     def deviated(self, deviations: FloatArray) -> Deviated:
-        """The motion of deviations, (n, K), columns in the coordinates of its section point, along the orbit."""
+        """The motion along the orbit of deviations, (n, K), columns in the coordinates of the orbit's section point."""
 
 
 def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
-    """Stops as compiled functions take them, with the twin of each where the motion continues mirrored; places
+    """The arrays of stops for compiled functions, with the twin of each stop if the motion continues mirrored; places
     ascend."""
+    places = sorted({stop.place for stop in stops})
     return Stops(
         sign=np.array([stop.sign for stop in stops], dtype=float),
         gap=np.array([stop.gap for stop in stops], dtype=float),
-        place=np.unique([stop.x for stop in stops], return_inverse=True)[1],
+        place=np.array([places.index(stop.place) for stop in stops], dtype=np.intp),
         beyond=np.arange(len(stops)) if twins is None else np.array(twins, dtype=np.intp),
     )
 

@@ -25,6 +25,7 @@ from lapjoint.problem.excitation import (
 )
 from lapjoint.problem.files import read_problem, write_problem
 from lapjoint.problem.initial import (
+    AtEquilibrium,
     AtRest,
     InitialState,
     PolynomialShape,
@@ -43,6 +44,7 @@ from lapjoint.problem.supports_and_stops import Side, Stop, Support
 
 __all__ = [
     "AnyBaseMotion",
+    "AtEquilibrium",
     "AtRest",
     "BaseHarmonic",
     "BaseMotion",

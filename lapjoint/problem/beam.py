@@ -168,14 +168,15 @@ class Beam(Part):
     contents_per_length: NonNegative = 0.0
     """Mass per unit length of what fills the beam, kg/m; gravity acts on it."""
     added_mass_per_length: NonNegative = 0.0
-    """Mass per unit length of the fluid around the beam that moves with it, kg/m; gravity does not act on it."""
+    """Mass per unit length of the fluid around the beam that moves with it, kg/m; a moving base pushes on it, gravity
+    does not act on it."""
 
     @model_validator(mode="after")
     def _one_description(self) -> Self:
         if self.segments:
             faults = list(self._segment_faults())
         elif not _described_once(self, self.material):
-            faults = ["give either bending_stiffness and mass_per_length, or material and section, and not both"]
+            faults = ["give either bending_stiffness and mass_per_length, or material and section, or segments"]
         else:
             faults = []
         faults = faults or list(self._out_of_range())

@@ -17,30 +17,31 @@ title = "Lap joint of Rahmani and Ervin (2014)"
 
 [beam]
 length = 2.5                  # m, > 0
-# Either a material and a section, as here, or bending_stiffness (EI, N m2) and mass_per_length (kg/m).
+# Either a material and a section, as here, or bending_stiffness (EI, N m2) and mass_per_length (kg/m), or segments.
+# contents_per_length = 8.0   # kg/m, >= 0, of what fills the beam; base motion and gravity act on it
+# added_mass_per_length = 5.0 # kg/m, >= 0, of a fluid around the beam; base motion acts on it, gravity does not
 
 [beam.material]
 youngs_modulus = 2.05e11      # Pa, > 0
 density = 7890.0              # kg/m3, > 0
 
-[beam.section]
+[beam.section]                # leave out if there are segments
 shape = "rectangle"           # "rectangle" (breadth, height), "circle" (diameter), "tube" (outer_, inner_diameter)
 breadth = 0.3                 # m, across the motion
 height = 0.05                 # m, along the motion
 
-# A beam with steps has segments in place of one section, from the root to the tip; each has a section (and its own
-# material, if it is not the beam's), or bending_stiffness and mass_per_length:
-# [[beam.segments]]
-# to = 0.8                    # m, where the segment ends; the last one ends at the length of the beam
+# [[beam.segments]]           # a beam with steps: its parts, from the root to the tip
+# to = 0.8                    # m, where the segment ends
 # section = {shape = "rectangle", breadth = 0.3, height = 0.06}
-# Two masses per length, kg/m, go into [beam]: contents_per_length (a filling, on which gravity acts) and
-# added_mass_per_length (a fluid around the beam, on which gravity does not act).
+# [[beam.segments]]           # each with a section, and a material if it is not the beam's,
+# to = 2.5                    # or with bending_stiffness and mass_per_length; the last one ends at the length
+# section = {shape = "rectangle", breadth = 0.3, height = 0.05}
 
 # [[masses]]                  # rigid masses at points; base motion and gravity act on them
-# name = "clevis"
+# name = "clevis"             # for figures and for --set masses.clevis.mass=13
 # x = 2.5                     # m, within the beam
 # mass = 12.0                 # kg, >= 0
-# rotary_inertia = 0.05       # kg m2, >= 0
+# rotary_inertia = 0.05       # kg m2, >= 0, about the axis of bending; 0 by default
 
 [[supports]]                  # linear springs to the base that always act; any number, also none
 x = 0.0                       # m, within the beam
@@ -77,7 +78,7 @@ gap = 1e-3
 stiffness = 1.476e8
 
 [damping]
-kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2) or "none"
+kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2; not with masses) or "none"
 ratio = 0.08                  # of every mode of the current contact state, >= 0; or a list, one per mode
 
 [base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest
@@ -119,7 +120,7 @@ phase = 0.0                   # rad
 # force = 100.0               # N, positive upwards
 # angular_frequency = 515.0   # rad/s
 
-# [gravity]                   # along z, from t = 0 on
+# [gravity]                   # along z, on beam, contents and masses, from t = 0 on
 # acceleration = -9.81        # m/s2, positive upwards
 
 # [[uniform_loads]]           # constant forces along the beam, from t = 0 on; any number
@@ -128,6 +129,7 @@ phase = 0.0                   # rad
 # force_per_length = -200.0   # N/m, positive upwards
 
 [initial]
-kind = "rest"                 # "rest", "polynomial" (displacement and velocity: coefficients of 1, x, x^2 ...)
-                              # or "sampled" (x, displacement, velocity: lists of equal length)
+kind = "rest"                 # "rest", "equilibrium" (at rest under the static loads), "polynomial" (displacement
+                              # and velocity: coefficients of 1, x, x^2 ...) or "sampled" (x, displacement, velocity:
+                              # lists of equal length)
 """

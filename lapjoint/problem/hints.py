@@ -14,6 +14,9 @@ import numpy as np
 from lapjoint.problem.beam import Beam, Material, Section
 from lapjoint.problem.damping import Damping, ModalDamping
 from lapjoint.problem.forces import Forces
+from lapjoint.problem.masses import Mass
+from lapjoint.problem.static_loads import Gravity
+from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import Stop
 
 
@@ -46,6 +49,10 @@ LENGTH = _Usual("m", 1e-6, 500.0, (("mm", 1e-3), ("um", 1e-6)))
 """From cantilevers of micromechanics to bridges."""
 SLENDER = 0.5
 """Depth of a section, divided by the beam's length, above which the theory of slender beams fails."""
+HEAVY = 1e4
+"""Mass on the beam, divided by the mass of the beam, above which grams were perhaps taken for kilograms."""
+WEIGHT = _Usual("m/s2", 0.0, 300.0, (("mm/s2", 1e-3),))
+"""Acceleration of gravity, without its sign: from none to a centrifuge."""
 WIDE = 0.2
 """Gap, divided by the beam's length, above which no small displacement closes it."""
 RATIO = 2.0
@@ -58,10 +65,18 @@ HARD, SOFT = 1e10, 1e-8
 second the beam hardly feels it."""
 
 
-def hints(beam: Beam, stops: Sequence[Stop], damping: Damping, forces: Forces) -> tuple[str, ...]:
+def hints(joint: Structure, gravity: Gravity | None, forces: Forces) -> tuple[str, ...]:
     """A line for each value that looks like a slip of unit: the field, its value, its usual range, and the unit that
     was perhaps meant."""
-    return (*_of_beam(beam), *_of_stops(stops, beam), *_of_damping(damping), *_of_excitation(forces, beam))
+    beam = joint.beam
+    return (
+        *_of_beam(beam),
+        *_of_stops(joint.stops, beam),
+        *_of_masses(joint.masses, beam),
+        *_of_gravity(gravity),
+        *_of_damping(joint.damping),
+        *_of_excitation(forces, beam),
+    )
 
 
 def _of_beam(beam: Beam) -> Iterator[str]:
@@ -100,6 +115,21 @@ def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:
                 f"stops[{i}].stiffness = {stop.stiffness:g} N/m: is {ratio:.1g} times EI / length^3; are its unit and "
                 "those of the beam right?"
             )
+
+
+def _of_masses(masses: Sequence[Mass], beam: Beam) -> Iterator[str]:
+    for i, it in enumerate(masses):
+        ratio = it.mass / (beam.m * beam.length)
+        if ratio > HEAVY:
+            yield f"masses[{i}].mass = {it.mass:g} kg: is {ratio:.1g} times the mass of the beam; are the units right?"
+
+
+def _of_gravity(gravity: Gravity | None) -> Iterator[str]:
+    if gravity is not None:
+        acceleration = gravity.acceleration
+        yield from WEIGHT.hint("gravity.acceleration", abs(acceleration))
+        if acceleration > 0:
+            yield f"gravity.acceleration = {acceleration:g} m/s2: acts upwards; downwards it is {-acceleration:g}"
 
 
 def _of_damping(damping: Damping) -> Iterator[str]:

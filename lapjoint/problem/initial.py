@@ -1,4 +1,4 @@
-"""How the motion starts: at rest, from polynomials in x, or from sampled shapes."""
+"""How the motion starts: at rest, straight or in static equilibrium, from polynomials in x, or from sampled shapes."""
 
 from __future__ import annotations
 
@@ -39,6 +39,15 @@ class AtRest(Part):
 
     velocity_at = displacement_at
     """z_t(x, 0), the initial velocity, which is zero, too, in m/s over m^derivative."""
+
+
+class AtEquilibrium(Part):
+    """Still at t = 0, in the static equilibrium under gravity and all constant loads, which each solver finds itself.
+
+    Base motion and loads that change with time do not count.
+    """
+
+    kind: Literal["equilibrium"] = "equilibrium"
 
 
 class PolynomialShape(Part):
@@ -109,7 +118,9 @@ def _polynomial(coefficients: tuple[float, ...], x: FloatArray, derivative: int)
     return np.asarray(result, dtype=float)
 
 
-InitialState = Annotated[AtRest | PolynomialShape | SampledShape, Field(discriminator="kind")]
+InitialShape = AtRest | PolynomialShape | SampledShape
+"""An initial state that a problem states as functions of x."""
+InitialState = Annotated[InitialShape | AtEquilibrium, Field(discriminator="kind")]
 
 
 def initial_from_functions(

@@ -2,8 +2,9 @@
 computed from it.
 
 Every quantity that a problem states, or that follows from it, is at most 1e100 in SI units, so that its square is
-finite.  Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness and
-damping have limits relative to the beam.  Two supports at different positions are farther apart than rounding.
+finite.  Times between samples, squares of frequencies, and quantities of the beam are at least 1e-100.  Stiffness,
+damping and masses have limits relative to the beam, and segments of the beam relative to each other.  Two supports at
+different positions are farther apart than rounding.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 from lapjoint.problem.beam import LEAST, MOST, NEAREST
 from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtRest, InitialState
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import Structure
@@ -28,6 +29,13 @@ On a softer spring the slowest mode takes some 1e8 times as long as a bending mo
 motion; a stiffer spring is fixed to rounding."""
 _STIFFEST = 1e13
 """Largest stiffness of a stop, divided by EI / L^3: too few digits are left for the compression of a stiffer stop."""
+_HEAVIEST = 1e12
+"""Largest mass, divided by that of the beam, and largest rotary inertia, divided by the beam's mass times L^2.
+With heavier ones the slowest modes take more than 1e6 times as long as a bending mode, and double precision mixes
+them."""
+_STEEPEST = 1e9
+"""Largest ratio of stiffness, or of mass per length, between two segments: with steps of 1e12 the stiffness of finite
+elements is singular to rounding."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
 _MOST_IN_STOP = 1e4
@@ -42,9 +50,7 @@ def faults_of_size(
 ) -> Iterator[str]:
     """A line for each number of a problem that is out of its limits; the parts are valid, and those of the excitation
     are given by their paths."""
-    for i, mass in enumerate(joint.masses):
-        yield from _stated(f"masses[{i}].mass", mass.mass, "kg")
-        yield from _stated(f"masses[{i}].rotary_inertia", mass.rotary_inertia, "kg m2")
+    yield from _of_inertia(joint)
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
@@ -140,6 +146,30 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
             )
 
 
+def _of_inertia(joint: Structure) -> Iterator[str]:
+    """Masses too heavy, and steps too large, for double precision to hold slow and fast modes."""
+    beam = joint.beam
+    whole = beam.m * beam.length
+    for i, mass in enumerate(joint.masses):
+        for name, size, unit, text in (
+            ("mass", mass.mass, whole, "the beam's mass"),
+            ("rotary_inertia", mass.rotary_inertia, whole * beam.length**2, "the beam's mass times length^2"),
+        ):
+            if not size <= _HEAVIEST * unit:
+                yield (
+                    f"masses[{i}].{name} = {size:g}: is {size / unit:.2g} times {text}; allowed are up to "
+                    f"{_HEAVIEST:g} times, which is {_HEAVIEST * unit:.2g}"
+                )
+    for name, field in (("bending stiffness", "EI"), ("mass per length", "inertia")):
+        values = [getattr(piece, field) for piece in beam.pieces]
+        if max(values) > _STEEPEST * min(values):
+            low, high = values.index(min(values)), values.index(max(values))
+            yield (
+                f"beam.segments[{high}]: its {name} is {max(values) / min(values):.2g} times that of segments[{low}]; "
+                f"allowed are up to {_STEEPEST:g} times"
+            )
+
+
 def _of_damping(joint: Structure) -> Iterator[str]:
     """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
     damping, beam = joint.damping, joint.beam
@@ -185,7 +215,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
 
 def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, length, 101)
     with np.errstate(all="ignore"):

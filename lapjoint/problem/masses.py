@@ -15,4 +15,4 @@ class Mass(Part):
     rotary_inertia: NonNegative = 0.0
     """Moment of inertia about the axis of bending through the point, kg m2; it resists changes of the slope."""
     name: str = ""
-    """Name shown in figures; empty: numbered in the order given."""
+    """Name shown in figures, and by which ``--set`` and axes find the mass; may be empty."""

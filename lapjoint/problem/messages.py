@@ -121,7 +121,8 @@ def _lines(fault: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterator[s
         for line in fault["msg"].removeprefix("Value error, ").split("\n"):
             yield _joined(path, value, line)
     else:
-        yield f"{path or 'the file'} = {shown(value)}: {_requirement(fault)}"
+        written = f"; above each entry stands [[{path}]]" if kind == "tuple_type" and isinstance(value, Mapping) else ""
+        yield f"{path or 'the file'} = {shown(value)}: {_requirement(fault)}{written}"
 
 
 def _joined(path: str, value: Any, message: str) -> str:

@@ -21,8 +21,8 @@ DEEPEST = 20
 def override(tables: dict[str, Any], assignment: str) -> None:
     """Set one value of a problem's tables, in place, by an assignment such as ``base_motion.angular_frequency=820``.
 
-    An element of a list is given by its number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop also by its name
-    (``stops.P2.gap``), and all elements by ``*``. The value is TOML, in SI units; a bare word is text.
+    An element of a list is given by its number from 0 (``stops.0.gap`` or ``stops[0].gap``), a stop or a mass also by
+    its name (``stops.P2.gap``), and all elements by ``*``. The value is TOML, in SI units; a bare word is text.
     """
     path, equals, value = assignment.partition("=")
     source = f"--set {shortened(assignment)}"

@@ -14,10 +14,10 @@ from pydantic import model_validator
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping, NoDamping
-from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad
+from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
-from lapjoint.problem.initial import AtRest, InitialState, SampledShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState, SampledShape
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
@@ -47,6 +47,7 @@ class Problem(Part):
     title: str = ""
     """What this problem is, in a line."""
     beam: Beam
+    """The beam: its length, stiffness and mass."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
@@ -54,17 +55,23 @@ class Problem(Part):
     masses: tuple[Mass, ...] = ()
     """Masses that the beam carries at points."""
     damping: Damping = NoDamping()
+    """Damping of the beam; none, if not given."""
     base_motion: AnyBaseMotion | None = None
+    """Motion y(t) of the base; a base at rest, if not given."""
     point_loads: tuple[PointLoad, ...] = ()
+    """Forces at points, from t = 0 on."""
     gravity: Gravity | None = None
+    """Gravity along z, from t = 0 on; none, if not given."""
     uniform_loads: tuple[UniformLoad, ...] = ()
+    """Constant forces along the beam, from t = 0 on."""
     initial: InitialState = AtRest()
+    """Displacement and velocity at t = 0; straight and at rest, if not given."""
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         joint = Structure(self.beam, self.supports, self.stops, self.damping, self.masses)
         of_size = faults_of_size(joint, self._excitation, self.initial)
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size]
+        faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size, *_base_of_stops_in_space(self)]
         if not faults:
             faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
         if faults:
@@ -98,6 +105,12 @@ class Problem(Part):
             end = self.beam.length if load.to is None else load.to
             found.append(ConstantForce(LoadShape.along(load.start, end), load.force_per_length))
         return tuple(force for force in found if force.force)
+
+    @cached_property
+    def moved_stops(self) -> tuple[Wave, ...]:
+        """The waves of y(t), by which stops fixed in space move relative to the base; none without such stops."""
+        moves = self.base_motion is not None and any(stop.in_space for stop in self.stops)
+        return self.base_motion.waves if moves and self.base_motion is not None else ()
 
     @property
     def excitation_frequency(self) -> float | None:
@@ -168,7 +181,7 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self.beam, self.stops, self.damping, self.forces)
+        return hints(self.structure, self.gravity, self.forces)
 
     @property
     def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
@@ -288,7 +301,8 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        if any(_outside_the_beam(made, ("point_loads",))) or any(faults_of_excitation(made._excitation)):
+        off = _outside_the_beam(made, ("point_loads",)), _base_of_stops_in_space(made)
+        if any(map(any, off)) or any(faults_of_excitation(made._excitation)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -322,7 +336,8 @@ class Problem(Part):
         """A copy with other parts of its excitation, which are valid."""
         _ = self.structure  # made once, for all copies
         made = self.model_copy(update=parts)
-        vars(made).pop("forces", None)  # cached forces are those of this problem
+        for name in ("forces", "moved_stops"):  # what is cached belongs to this problem
+            vars(made).pop(name, None)
         return made
 
 
@@ -333,6 +348,17 @@ def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict
         for path, part in parts.items()
         if not isinstance(part, StepLoad | Record | Random) and any(wave.amplitude for wave in part.waves)
     }
+
+
+def _base_of_stops_in_space(problem: Problem) -> Iterator[str]:
+    """A line if the base does not move as a sum of sines, and a stop is fixed in space, so that its gap sees y(t)."""
+    base = problem.base_motion
+    for i, stop in enumerate(problem.stops):
+        if stop.in_space and isinstance(base, Record | Random):
+            yield (
+                f'stops[{i}].fixed_to = "space": base_motion.kind is "{base.kind}"; with stops fixed in space the base '
+                'may move by a "sine" or "harmonics"'
+            )
 
 
 def _outside_the_beam(
@@ -395,7 +421,7 @@ def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
 
 def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
     initial = problem.initial
-    if isinstance(initial, AtRest):
+    if isinstance(initial, AtRest | AtEquilibrium):
         return
     grid = np.linspace(0.0, problem.beam.length, 101)
     for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
+import numpy as np
+
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.supports_and_stops import Stop, Support
 
+_HELD = 1e-9
+"""Supports hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
 _KEPT = 64
 """Number of structures that are cached: problems of one campaign mostly share one."""
 
@@ -41,6 +45,13 @@ class Structure:
         """All on which gravity acts, kg and kg/m."""
         along = tuple((piece.start, piece.end, piece.mass) for piece in self.beam.pieces)
         return LoadShape(self.inertia.points, along)
+
+    @cached_property
+    def free_motions(self) -> int:
+        """Number of motions as a rigid body, 0 to 2, that the supports leave free."""
+        rows = [(1.0, support.x / self.beam.length) for support in self.supports if support.translational > 0]
+        rows += [(0.0, 1.0) for support in self.supports if support.torsional > 0]
+        return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
 
     def __reduce__(self) -> tuple[object, ...]:
         return structure_of, (self.beam, self.supports, self.stops, self.damping, self.masses)

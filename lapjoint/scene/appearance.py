@@ -16,20 +16,20 @@ LEAST_PIXELS, MOST_PIXELS = 200, 8192
 
 @dataclass(frozen=True)
 class Look:
-    """How a motion is shown.
+    """The appearance of a picture, a film or a window.
 
     Raises
     ------
     InputError
-        If an option is not one of those allowed, or out of its range.
+        If an option is not an allowed one, or out of its range.
     """
 
     colour: Colour | None = None
     """Value that colours the beam: ``stress``, ``velocity``, ``moment`` or ``displacement``.  By default it is
     ``stress`` if the problem gives a cross-section, else ``moment``."""
     scale: float | None = None
-    """Factor of all displacements and gaps, 1 for true scale.  By default it makes them visible: it is 1, 2 or 5 times
-    a power of ten, and at least 1.  The picture states the factor."""
+    """Factor on all displacements and gaps, 1 for true scale.  By default displacements become visible: the factor is
+    1, 2 or 5 times a power of ten, and at least 1.  The picture states the factor."""
     frame: Frame = "relative"
     """Frame of reference: displacements ``relative`` to the base, or ``absolute`` ones."""
     size: tuple[int, int] | None = None

@@ -1,6 +1,6 @@
 """Motions and mode shapes as files that ParaView, pyvista and meshio open.
 
-`lapjoint.scene.parts` lists what the files hold.
+`lapjoint.scene.parts` lists the contents of the files.
 
 ========== ============================================== ===================================================
 format     files                                          opened by
@@ -36,9 +36,9 @@ from lapjoint.scene.scene import Block, Scene, histories_of, mode_scene, motion_
 from lapjoint.solver import Progress
 
 ROOM = 1_000_000
-"""Bytes that an export leaves free on a disk, for headers and tables beside the values."""
+"""Bytes that an export leaves free on a disk, for headers and tables in addition to the values."""
 MOST_BYTES, MOST_FILES = 500_000_000, 10_000
-"""Size, bytes, and number of the files of a motion beyond which files are written only on demand."""
+"""Largest size of all files of a motion, bytes, and largest number of files, that are written without ``large``."""
 SAMPLED = 16
 """Number of frames that are written to estimate the size of all frames."""
 Format = Literal["pvd", "vtkhdf", "xdmf"]
@@ -74,17 +74,17 @@ def export_motion(
     frames : int, optional
         Number of equidistant times.
     tolerance : float, optional
-        Largest error of straight lines between two times, relative to the largest value, as
-        `lapjoint.scene.frame_times.chosen_times` explains.
+        Largest error of linear interpolation between two times, divided by the largest value; see
+        `lapjoint.scene.frame_times.chosen_times`.
     points : int
         Number of equidistant stations along the beam, at least 2; the positions of supports, stops, masses and
         steps are added.
     large : bool
-        Whether the files may have more than `MOST_BYTES` in all, or be more than `MOST_FILES`.
+        Whether more than `MOST_BYTES` in all, or more than `MOST_FILES` files, may be written.
     say : callable, optional
-        Called with a sentence on the size of the files, before any is written.
+        Called with a sentence about the size of the files, before any file is written.
     progress : callable, optional
-        Called now and then with the number of frames done and the number of all.
+        Called from time to time with the number of finished frames and the number of all frames.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def export_motion(
     Raises
     ------
     InputError
-        If a parameter is out of its range, or the files would be larger than is allowed.
+        If a parameter is out of its range, or the files would be too large without `large`.
     OutputError
         If the files cannot be written.
     """
@@ -159,7 +159,7 @@ def export_modes(
 
 
 def _file_names(problem: Problem, modes: Sequence[Modes]) -> list[str]:
-    """Names of files for contact states, ``modes_6_P2+P3``; they differ even where names of stops are alike."""
+    """Names of files for contact states, such as ``modes_6_P2+P3``; they differ even if stops have similar names."""
     names: list[str] = []
     for one in modes:
         name = "modes_" + re.sub(r"[^\w+]+", "_", state_label(problem, one.state).replace(" + ", "+"))
@@ -170,7 +170,7 @@ def _file_names(problem: Problem, modes: Sequence[Modes]) -> list[str]:
 def _check_size(
     scene: Scene, times: FloatArray, folder: Path, kind: Format, large: bool, say: Callable[[str], None] | None
 ) -> None:
-    """Say how large the files of a series will be, and refuse too large ones, from what a few of its frames take."""
+    """Say how large the files of a series will be, estimated from a few frames, and refuse files that are too large."""
     sampled = times[:: -(-times.size // SAMPLED)]
     with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as name:
         _writer(kind)(scene, _blocks_with_room(scene, sampled, folder, None), Path(name), "sample", "")
@@ -207,7 +207,7 @@ def _write(
     progress: Progress | None,
     check: Callable[[Path], None] | None = None,
 ) -> Path:
-    """Write the files of a series, when `check` has raised nothing about the folder that they will be in."""
+    """Write the files of a series; `check`, called with their folder beforehand, may raise an error."""
     if kind not in get_args(Format):
         raise InputError(f"format = {kind!r}: allowed are {', '.join(get_args(Format))}")
     folder = Path(directory)
@@ -221,9 +221,9 @@ def _write(
 
 
 def _blocks_with_room(scene: Scene, times: FloatArray, folder: Path, progress: Progress | None) -> Iterator[Block]:
-    """The blocks of a scene, one after the other; `progress` is told when each has been written.
+    """The blocks of a scene, one after the other; `progress` is called after each block is written.
 
-    HDF5 ends the process if it meets a full disk, so a block is given only if the disk has room for it.
+    HDF5 ends the process if the disk is full, so a block is yielded only if the disk has room for it.
     """
     done = 0
     for block in scene.blocks(times):

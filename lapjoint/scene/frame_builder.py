@@ -1,4 +1,4 @@
-"""The contents of each frame of a picture, a film or a window, as numbers and text, built from a motion."""
+"""Builds the contents of each frame of a picture, a film or a window, as numbers and text, from a motion."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from lapjoint.scene.scene import Scene, histories_of, motion_scene
 from lapjoint.scene.section_mesh import IntArray
 
 DEFLECTION, PENETRATION = 0.12, 0.6
-"""Largest deflection, as a part of the beam's length, and largest penetration of a stop, as a part of its spring's
-length, in the scale that is chosen by default: visible, while the picture keeps its shape."""
+"""Largest deflection, divided by the beam's length, and largest penetration of a stop, divided by its spring's length,
+in the default scale: visible without distorting the picture."""
 FARTHEST = 10.0
-"""Largest displacement that is drawn, in lengths of the beam: beyond this the joint cannot be recognised."""
+"""Largest displacement that is drawn, divided by the length of the beam: with more, the joint cannot be recognised."""
 FEWEST_A_PERIOD = 8
-"""Least number of frames in an excitation period for a film to carry no warning: fewer may show another motion."""
+"""Least number of frames in an excitation period of a film without a warning: fewer may show another motion."""
 LONGEST_NAME = 24
 """Largest number of characters of a name in a picture, so that names do not cover the joint."""
 
 
 class _Shade(NamedTuple):
-    """How a value becomes a colour."""
+    """A value that can colour the beam."""
 
     field: str
     """Name of the point value, as in `lapjoint.scene.parts`."""
@@ -60,10 +60,10 @@ def drawing_of(
     pace: float,
     output: Path | None,
 ) -> Drawing:
-    """All that is drawn of one motion, or of several side by side, for the process that draws.
+    """The drawing of one motion, or of several side by side, for the process that draws.
 
-    `times`, (frames,), and `step`, 0 for a picture, are in s; `size`, in pixels, holds where `look` has none; `pace` is
-    in frames a second, 0 for a picture; `output` is None for a window.
+    `times`, (frames,), and `step`, 0 for a picture, are in s.  `size`, in pixels, is used if `look` has none.  `pace`
+    is in frames a second, 0 for a picture; `output` is None for a window.
     """
     scene, histories = motion_scene(motion), histories_of(motion)
     shade = _SHADES[_colour(look, histories)]
@@ -119,7 +119,7 @@ def _colour(look: Look, histories: Sequence[History]) -> Colour:
 
 
 def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> float:
-    """The scale asked for, or the largest 1, 2 or 5 times a power of ten within `DEFLECTION` and `PENETRATION`."""
+    """The scale of `look`, or else the largest 1, 2 or 5 times a power of ten within `DEFLECTION` and `PENETRATION`."""
     if look.scale is not None:
         length = max(layout.problem.beam.length for layout in scene.layouts)
         largest = max(float(np.abs(carries.point[carried]).max(initial=0.0)) for carries in values)
@@ -140,7 +140,7 @@ def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> 
 
 
 def _round_down(limit: float) -> float:
-    """1, 2 or 5 times a power of ten, at most `limit`; at least 1, and 1 where there is no limit."""
+    """The largest 1, 2 or 5 times a power of ten that is at most `limit`; at least 1, and 1 for an infinite limit."""
     if not 1 < limit < math.inf:
         return 1.0
     power = 10.0 ** math.floor(math.log10(limit))
@@ -161,7 +161,7 @@ def _three_digits(value: float) -> str:
 
 
 def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: float) -> str:
-    """A note on the scale, the frame of reference (where the base moves) and the pace."""
+    """A note on the scale, the frame of reference (if the base moves) and the pace."""
     words = "true scale" if scale == 1 else f"displacements and gaps ×{scale:g}, beam at true scale"
     if any(history.problem.base_motion for history in histories):
         words += ", seen from the base" if look.frame == "relative" else ", seen from outside"
@@ -171,7 +171,7 @@ def _scale_note(scale: float, look: Look, histories: Sequence[History], slowed: 
 
 
 def _stop_words(springs: Springs, layout: Layout) -> list[Word]:
-    """The names of the stops, a little beyond the feet of their springs; stops at one position share a label."""
+    """The names of the stops, a little beyond the feet of their springs; stops at one position have one label."""
     stops = layout.problem.stops
     places: dict[tuple[float, int], list[int]] = {}
     for i, stop in enumerate(stops):
@@ -206,7 +206,7 @@ def _springs(part: Part, values: Values, layout: Layout, scale: float, carried: 
 
 
 def _acting(history: History, times: FloatArray, step: float) -> IntArray:
-    """2 where a stop is closed at a time, 1 where it is closed only within half a step of it, else 0; (frames, stops).
+    """2 if a stop is closed at a time, 1 if it is closed only within half a step of this time, else 0; (frames, stops).
 
     The last time also stands for the whole step after it.
     """

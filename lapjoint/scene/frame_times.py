@@ -1,4 +1,4 @@
-"""The times at which a motion is shown: those asked for, or as many as the motion needs.
+"""The times at which a motion is shown: given times, or as many as the motion needs.
 
 The switches of the contact state are always among them.
 """
@@ -15,19 +15,19 @@ from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 
 MOST_FRAMES = 100_000
-"""Largest number of times of a motion, so that its files stay of a size that can be opened."""
+"""Largest number of times of a motion, so that programs can open its files."""
 TOLERANCE = 0.01
-"""Default of the largest error of straight lines between frames, relative to the largest value: one per cent."""
+"""Default of the largest error of linear interpolation between frames, divided by the largest value: one per cent."""
 _FEWEST = 33
-"""Least number of equidistant times at which halving intervals begins."""
+"""Least number of equidistant times with which the halving of intervals begins."""
 _A_PERIOD = 2
-"""Number of intervals in a period of the fastest excitation to begin with: with fewer, some motions seem at rest."""
+"""First number of intervals in a period of the fastest excitation: with fewer, some motions seem at rest."""
 _STATIONS = 33
 """Number of equidistant positions on the beam at which errors are measured."""
 _INSIDE = (0.2, 0.4, 0.6, 0.8)
-"""Fractions of an interval at which its error is measured: several, so that no inflection hides an error."""
+"""Fractions of an interval at which the error is measured: several, so that a point of inflection hides no error."""
 _MARGIN = 0.8
-"""Fraction of the tolerance that measured errors may take; the rest allows for errors between the measured places."""
+"""Largest measured error, divided by the tolerance; the rest allows for errors between the measured positions."""
 
 
 def common_time(histories: Sequence[History]) -> tuple[float, float]:
@@ -47,9 +47,9 @@ def chosen_times(
 ) -> FloatArray:
     """The times of the frames, s, ascending, (n,): the switches, and the times of one choice of three.
 
-    `times` are the times themselves, s; `frames` is a number of equidistant ones.  By default, and with a `tolerance`
-    (`TOLERANCE`), there are as many as the motion needs: between two frames, displacement and velocity differ from a
-    straight line by at most this part of their largest value along the beam.
+    `times` are the times themselves, s; `frames` is a number of equidistant times.  Otherwise there are as many as the
+    motion needs: between two frames, displacement and velocity differ from linear interpolation by at most `tolerance`,
+    by default `TOLERANCE`, times their largest value along the beam.
     """
     if sum(choice is not None for choice in (times, frames, tolerance)) > 1:
         raise InputError("frames: give times, frames or tolerance, and not two of them")
@@ -87,7 +87,8 @@ def _not_too_many(times: FloatArray) -> FloatArray:
 
 
 def _resolved(history: History, start: float, end: float, tolerance: float | None) -> FloatArray:
-    """Times, s, ascending, between which straight lines err by at most `tolerance`, found by halving intervals."""
+    """Times, s, ascending, between which linear interpolation errs by at most `tolerance`, found by halving
+    intervals."""
     allowed = TOLERANCE if tolerance is None else tolerance
     if not 0 < allowed < 1:
         raise InputError(f"tolerance = {allowed:g}: must be between 0 and 1")

@@ -25,15 +25,15 @@ class Skin:
 
 @dataclass(frozen=True)
 class Springs:
-    """The stops of a joint: springs between a face and a rail, which light up while they act."""
+    """The stops of a joint: springs between a face and a rail, which light up while the stop is closed."""
 
     names: tuple[str, ...]
     """Names of the stops."""
     points: FloatArray
     """Positions of the face and the foot of each spring, m, shape ``(frames, stops, 2, 3)``."""
     acts: IntArray
-    """2 where the stop is closed at the frame, 1 where it is closed only between this frame and its neighbours, else 0;
-    shape ``(frames, stops)``."""
+    """2 if the stop is closed at the frame, 1 if it is closed only between this frame and its neighbours, else 0; shape
+    ``(frames, stops)``."""
     radius: float
     """Radius of the coils, m."""
 
@@ -50,7 +50,7 @@ class Plates:
 
 @dataclass(frozen=True)
 class Word:
-    """A name that stands beside a part of the scene, and moves with it."""
+    """A name beside a part of the scene, with which it moves."""
 
     text: str
     """The name."""
@@ -75,7 +75,7 @@ class Drawing:
     title: str
     """Title of the motion."""
     notes: tuple[str, ...]
-    """Text that stands in every frame: the solvers, and the scale."""
+    """Text in every frame: the solvers, and the scale."""
     times: FloatArray
     """Times of the frames, s, shape ``(frames,)``."""
     captions: tuple[str, ...]

@@ -1,4 +1,5 @@
-"""The layout of a joint at rest: stations along the beam, and sizes of parts that the problem leaves open."""
+"""The layout of a joint at rest: positions along the beam (stations), and sizes of parts that the problem leaves
+open."""
 
 from __future__ import annotations
 
@@ -14,19 +15,19 @@ from lapjoint.problem.beam import Rectangle
 from lapjoint.scene.section_mesh import IntArray
 
 MOST_POINTS = 100_000
-"""Largest number of stations along a beam, so that a frame stays of a size that can be drawn."""
+"""Largest number of stations along a beam, so that a frame can be drawn."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The joint at rest; a number of stations that is out of its range is an `InputError`."""
+    """The layout of a joint at rest; a number of stations out of its range is an `InputError`."""
 
     problem: Problem
     """The joint."""
     points: int = 81
     """Number of equidistant stations along the beam; the positions of supports, stops, masses and steps are added."""
     offset: float = 0.0
-    """Shift along y of a joint that stands beside another, m."""
+    """Shift of the joint along y, m, if several joints stand side by side."""
     pressed: float = 0.0
     """Largest penetration of a stop, m; the springs are made longer than this."""
 
@@ -41,7 +42,7 @@ class Layout:
         special = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
         special += [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
         grid = np.linspace(0.0, L, self.points)
-        # A grid point closer than this to a special one gives way to it, so that no cell is degenerate.
+        # A grid point closer than this to a support or stop is left out, so that no cell is degenerate.
         apart = np.all(np.abs(grid[:, None] - np.array(special)[None, :]) > 1e-9 * L, axis=1)
         return np.unique(np.concatenate([grid[apart], special]))
 
@@ -92,11 +93,12 @@ class Layout:
 
     @property
     def reach(self) -> float:
-        """Distance from the beam's surface to the rails that carry the stops, m, gaps not counted."""
+        """Distance from the beam's surface to the rails that carry the stops, m, without gaps."""
         return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
-        """The widest gap, m, on the side `sign` of the beam (1: above), by which that side's rail is set off."""
+        """The widest gap, m, on the side `sign` of the beam (1: above), by which the rail of this side is moved
+        away."""
         return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
 
     def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:

@@ -1,8 +1,8 @@
 """The parts of a scene: fixed points and cells, and the values that they carry at any time.
 
-The points lie where the joint is at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
-each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector moves all parts
-together, at true scale or any other, and a beam that presses a stop touches it at every scale.
+The points are those of the joint at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
+each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector of ParaView
+moves all parts together, at any scale, and a beam that presses a stop touches the stop at every scale.
 
 ================== ====================== ==============================================================
 part               cells                  what it is
@@ -232,7 +232,7 @@ class Stops(Part):
         """See `lapjoint.scene.parts.Part.values`."""
         stops = self.layout.problem.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
-        moved = np.stack([sample.faces, np.broadcast_to(feet, sample.faces.shape)], axis=2)
+        moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
         return Values(
             _displacements(_upwards(moved.reshape(len(moved), -1)), sample),

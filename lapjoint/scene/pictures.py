@@ -1,6 +1,6 @@
-"""Pictures and films of a motion, and a window where there is a display; pyvista draws them.
+"""Pictures and films of a motion, and a window if there is a display; pyvista draws them.
 
-Another process does the drawing.  VTK ends its process when it finds no graphics, and that must not end the user's.
+The drawing is done by another process, because VTK ends its process if it finds no graphics.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ PICTURE_SIZE, FILM_SIZE = (1200, 520), (900, 400)
 """Default width and height of a picture or window, and of a film, pixels."""
 DEFAULT = Look()
 MOST_FRAMES = 5000
-"""Largest number of frames of a film, all of which are kept in memory."""
+"""Largest number of frames of a film, as all frames are kept in memory."""
 SLOWEST = 0.1
 """Least pace of a film, frames a second: a frame then lasts for ten seconds."""
 
@@ -46,7 +46,8 @@ def save_picture(
     path : str or Path
         The picture's file, which ends in ``.png``.
     at : float, optional
-        Time within the history, s; by default that of the largest contact force, or the largest deflection.
+        Time within the history, s; by default the time of the largest contact force or, without contact, of the largest
+        deflection.
     look : Look
         Colours, scale, frame of reference and size.
 
@@ -80,9 +81,9 @@ def save_film(
     look: Look = DEFAULT,
     progress: Progress | None = None,
 ) -> Path:
-    """Draw a motion as a film, GIF or MP4, that begins again where it ends.
+    """Draw a motion as a film, GIF or MP4, which a viewer repeats without end.
 
-    A stop that acts only between two frames lights up in the nearer one.
+    A stop that is closed only between two frames lights up in the nearer frame.
 
     Parameters
     ----------
@@ -156,7 +157,7 @@ def _film_times(histories: Sequence[History], frames: int) -> FloatArray:
 
 
 def _shown_pace(path: Path, pace: float) -> float:
-    """The pace asked for, frames a second; in a GIF, the nearest that whole hundredths of a second allow."""
+    """The pace, frames a second; in a GIF, the nearest pace with frames of whole hundredths of a second."""
     gif = path.suffix.lower() == ".gif"
     most = 50.0 if gif else 100.0
     if not SLOWEST <= pace <= most:
@@ -165,7 +166,7 @@ def _shown_pace(path: Path, pace: float) -> float:
 
 
 def _telling_time(history: History, start: float, end: float) -> float:
-    """The time of the largest contact force, s; where there is no contact, of the largest deflection."""
+    """The time of the largest contact force, s; without contact, of the largest deflection."""
     contacts = [c for c in history.contacts if c.start <= end and c.end >= start]
     if contacts:
         hardest = contacts[_first_largest(np.array([contact.peak_force for contact in contacts]))]
@@ -177,15 +178,15 @@ def _telling_time(history: History, start: float, end: float) -> float:
 
 
 def _first_largest(values: FloatArray) -> int:
-    """Index of the first of the largest values, (m,): of a motion whose halves mirror each other, the first half's.
+    """Index of the first of the largest values, (m,); in a symmetric motion it lies in the first half.
 
-    Values that differ by less than a millionth are taken as equal, for rounding must not choose the picture.
+    Values that differ by less than a millionth count as equal, so that rounding does not choose the picture.
     """
     return int(np.flatnonzero(values >= (1 - 1e-6) * values.max())[0])
 
 
 def _drawn(drawing: Drawing, path: Path, progress: Progress | None) -> Path:
-    """Draw into a file that takes the name `path` when it is complete."""
+    """Draw into a file that gets the name `path` when it is complete."""
     try:
         with completed(path) as unfinished:
             draw(replace(drawing, output=unfinished), progress)

@@ -1,4 +1,4 @@
-"""The plotter: it sets up the contents of a film for pyvista, as meshes, text and a camera, and shows its frames."""
+"""The plotter: sets up a drawing for pyvista, as meshes, text and a camera, and shows its frames."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ COLOURS = "coolwarm"
 VIEWPOINT = np.array([0.35, -1.0, 0.32])
 """Direction from the middle of the scene to the eye, shape ``(3,)``."""
 GLYPH = 0.55
-"""Mean width of a letter, in sizes of the font, which estimates the width of text before drawing."""
+"""Mean width of a letter, divided by the font size, by which the width of text is estimated before drawing."""
 TURNS, ROUND = 6, 20
 """Number of turns of a coil, and number of points on each turn."""
 
 
 class Stage:
-    """A drawing with the plotter that draws it, with a window or `off_screen`."""
+    """A drawing and its plotter, with a window or `off_screen`."""
 
     def __init__(self, drawing: Drawing, off_screen: bool) -> None:
         import pyvista
@@ -39,7 +39,7 @@ class Stage:
         self._add_words()
         self._aim()
         self.at(0)
-        if off_screen:  # the colour scale finds its place only when it is drawn, and drawn again
+        if off_screen:  # the colour scale has its final place only after it is drawn twice
             self.image()
             self.image()
 
@@ -62,12 +62,13 @@ class Stage:
         self._caption.input = self._cut(self.drawing.captions[frame])
 
     def image(self) -> Any:
-        """The frame that is shown, as an array of colours (red, green, blue), shape ``(height, width, 3)``."""
+        """The current frame as an array of colours (red, green, blue), shape ``(height, width, 3)``."""
         self.plotter.render()
         return self.plotter.screenshot(return_img=True)
 
     def _add_skin(self, skin: Skin, first: bool) -> tuple[Any, Any]:
-        """Add a beam and the colour scale; returns its mesh, and the indices of the drawing's points that it has."""
+        """Add a beam, with the colour scale for the first one; return its mesh, and the indices of its points in
+        `skin`."""
         import pyvista
 
         if skin.cells.shape[1] == 2:
@@ -106,7 +107,7 @@ class Stage:
         return shown, ids
 
     def _add_springs(self, springs: Springs) -> list[tuple[Any, Any]]:
-        """Add the coils; returns the line of each, and the actor whose colour changes."""
+        """Add the coils; return the line of each coil, and the actor whose colour changes."""
         import pyvista
 
         pieces, width = [], max(2.0, self.drawing.size[0] / 300)
@@ -124,7 +125,7 @@ class Stage:
         return shown
 
     def _add_words(self) -> None:
-        """Add the title and notes, a place for the captions of the frames, and the names."""
+        """Add title, notes, an empty caption, and names."""
         import pyvista
 
         head = [self._cut(self.drawing.title), *(self._cut(note, 1.9) for note in self.drawing.notes)]
@@ -142,7 +143,7 @@ class Stage:
             self._labels.append(label)
 
     def _cut(self, text: str, share: float = 1.0) -> str:
-        """Text on one line that takes at most half of the width, or `share` of that half."""
+        """Text on one line, shortened to half of the width times `share`."""
         most = max(8, int(share * self.drawing.size[0] / 2 / (GLYPH * self.font)))
         return cut_to(text, most)
 
@@ -155,7 +156,7 @@ class Stage:
         return actor
 
     def _aim(self) -> None:
-        """Place the camera in front, a little above and towards the tip; it stays there while everything moves."""
+        """Place the camera in front, a little above and towards the tip, where it remains during the motion."""
         moving: list[Skin | Springs | Plates] = [*self.drawing.skins, *self.drawing.springs, *self.drawing.plates]
         points = np.concatenate([thing.points.reshape(-1, 3) for thing in moving])
         forward = -VIEWPOINT / np.linalg.norm(VIEWPOINT)
@@ -164,7 +165,7 @@ class Stage:
         above = np.cross(right, forward)
         (left_end, right_end), (low, high) = ((np.min(points @ axis), np.max(points @ axis)) for axis in (right, above))
         width, height = self.drawing.size
-        # Words above and the colour scale below take a part of the height, names a part of the width.
+        # Text above and the colour scale below need a part of the height, names a part of the width.
         head, foot = 1.3 * (len(self.drawing.notes) + 1.5) * self.font / height, 6.0 * self.font / height
         left_names, right_names = self._widths_of_names()
         room = max(1 - left_names - right_names - 0.04, 0.3)
@@ -182,7 +183,7 @@ class Stage:
         self.plotter.reset_camera_clipping_range()
 
     def _widths_of_names(self) -> tuple[float, float]:
-        """Width that names take on the left and on the right of the joints, as parts of the whole width."""
+        """Width of the names on the left and on the right of the joints, divided by the whole width."""
         glyph = 1.15 * GLYPH * self.font / self.drawing.size[0]  # bold
         left = max((len(word.text) for word in self.drawing.words if word.side == "right"), default=0)
         middle = max((len(word.text) / 2 for word in self.drawing.words if word.side == "center"), default=0)

@@ -1,6 +1,6 @@
 """Writes a scene as ``.vtu`` files, one for each part and time, and a ``.pvd`` file that lists them with their times.
 
-ParaView opens the list as one series.  VTK writes the files; an array has its unit where VTK keeps units, in the key
+ParaView opens the list as one series.  VTK writes the files.  The unit of an array is in VTK's key for units,
 ``UNITS_LABEL``.
 """
 
@@ -31,9 +31,9 @@ def grid_of(part: Part) -> Any:
 
 
 def write_pvd(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.pvd`` and the files that it lists, in the folder NAME beside it; returns the list's path.
+    """Write ``NAME.pvd``, and the files that it lists in the folder NAME beside it; return the path of ``NAME.pvd``.
 
-    Files of an earlier series of this name stay until this one is complete.  The list holds the note as a comment.
+    Files of an earlier series of this name remain until the new series is complete.  The list has a comment, the note.
     """
     path = folder / f"{name}.pvd"
     with completed_series(folder, lambda: _remove(folder, name)) as draft:
@@ -59,7 +59,7 @@ def _remove(folder: Path, name: str) -> None:
 
 
 def _write_pieces(scene: Scene, blocks: Iterable[Block], folder: Path, name: str) -> list[str]:
-    """Write a file for each part and time; returns the lines of the list."""
+    """Write a file for each part and time; return the lines of the list."""
     grids = [(label, grid_of(part)) for label, part in scene.parts]
     entries: list[str] = []
     number = 0
@@ -102,7 +102,7 @@ def _write(grid: Any, path: Path) -> None:
     writer.SetDataModeToBinary()
     writer.SetCompressorTypeToZLib()
     shown = vtkObject.GetGlobalWarningDisplay()
-    vtkObject.SetGlobalWarningDisplay(0)  # VTK would print its own account of a disk that is full
+    vtkObject.SetGlobalWarningDisplay(0)  # VTK would print its own message about a full disk
     try:
         written = writer.Write() and not writer.GetErrorCode()
     finally:

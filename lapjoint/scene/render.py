@@ -1,7 +1,7 @@
-"""The process that draws, by pyvista.
+"""The process that draws, with pyvista.
 
 ``python -m lapjoint.scene.render FILE`` takes the file of a pickled `Drawing`.  It prints ``frame N`` after each frame,
-and ends with a message on standard error where it fails.
+and a message on standard error if it fails.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def draw_film(drawing: Drawing) -> None:
 
 
 def save_mp4(frames: Any, drawing: Drawing) -> None:
-    """Write the frames as MP4; `OSError` where the film is not complete."""
+    """Write the frames as MP4; an incomplete film raises `OSError`."""
     import imageio.v3
     import imageio_ffmpeg
 
@@ -46,7 +46,7 @@ def save_mp4(frames: Any, drawing: Drawing) -> None:
     images = np.stack(list(frames))
     even = images[:, : images.shape[1] // 2 * 2, : images.shape[2] // 2 * 2]  # the codec wants even sizes
     imageio.v3.imwrite(drawing.output, even, extension=".mp4", fps=drawing.pace, codec="libx264", macro_block_size=1)
-    try:  # the encoder does not say when the disk is full
+    try:  # the encoder does not report a full disk
         written = imageio_ffmpeg.count_frames_and_secs(str(drawing.output))[0]
     except RuntimeError:
         written = 0
@@ -63,7 +63,7 @@ def _frames(drawing: Drawing) -> Any:
 
 
 def _save_gif(frames: Any, drawing: Drawing) -> None:
-    """Write a GIF with one palette for all frames, so that what does not move is stored only once."""
+    """Write a GIF with one palette for all frames, so that parts that do not move are stored only once."""
     from PIL import Image
 
     assert drawing.output is not None
@@ -75,7 +75,7 @@ def _save_gif(frames: Any, drawing: Drawing) -> None:
 
 
 def _palette(images: list[Any]) -> Any:
-    """The palette of all frames, with pure white and the colours of the stops, however thin these are drawn."""
+    """The palette of all frames, with pure white and the colours of the stops, even if stops have few pixels."""
     from PIL import Image, ImageColor
 
     width, height = images[0].size
@@ -95,7 +95,7 @@ def _palette(images: list[Any]) -> Any:
         sheet.paste(shade, (patch * i, top, patch * (i + 1), sheet.height))
     palette = sheet.quantize(colors=255, dither=Image.Dither.NONE)
     colours = np.array(palette.getpalette()).reshape(-1, 3)
-    colours[colours.min(axis=1) >= 248] = 255  # colours are matched coarsely
+    colours[colours.min(axis=1) >= 248] = 255  # because the quantiser matches colours coarsely
     palette.putpalette(colours.ravel().tolist())
     return palette
 
@@ -103,8 +103,7 @@ def _palette(images: list[Any]) -> Any:
 def open_window(drawing: Drawing) -> None:
     """Open a window with a slider for time; the space bar plays and pauses.
 
-    The process prints ``frame 0`` when the window is open, because VTK ends without a message where it finds no
-    display.
+    The process prints ``frame 0`` when the window is open, because VTK ends without a message if it finds no display.
     """
     stage = Stage(drawing, off_screen=False)
     milliseconds = 1e3 * drawing.times
@@ -145,7 +144,7 @@ def open_window(drawing: Drawing) -> None:
 
 
 def main() -> int:
-    """Draw the drawing in the file that the first argument names; returns the exit status."""
+    """Draw the drawing in the file named by the first argument; return the exit status."""
     drawing: Drawing = pickle.loads(Path(sys.argv[1]).read_bytes())
     try:
         if drawing.output is None:

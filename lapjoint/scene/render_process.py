@@ -29,9 +29,9 @@ NO_MP4 = ".mp4: needs the package imageio[ffmpeg]; install lapjoint[film], or ch
 
 
 def draw(drawing: Drawing, progress: Progress | None) -> None:
-    """Draw in a process of its own, with graphics hardware or else by software.
+    """Draw in a separate process, with graphics hardware or else by software.
 
-    Raises `OutputError` if this machine cannot draw; the message says what it lacks.
+    If this machine cannot draw, raise an `OutputError` that says what is missing.
     """
     with tempfile.TemporaryDirectory(prefix="lapjoint-") as folder:
         file = Path(folder) / "drawing.pickle"
@@ -44,13 +44,13 @@ def draw(drawing: Drawing, progress: Progress | None) -> None:
             status, said, _ = run_process(file, way, len(drawing.captions), progress)
             if status == 0:
                 return
-            if status > 0:  # Python told the reason, which holds for any way of drawing
+            if status > 0:  # Python gave the reason, and drawing by software would fail, too
                 break
         _explain(status, said)
 
 
 def _draw_window(file: Path) -> None:
-    """Open a window.  Once it is open, no end of it is an error: a person or the display closed it."""
+    """Open a window.  The end of a window that was open is never an error: the user or the display closed it."""
     _, _, opened = run_process(file, {}, 1, None)
     if not opened:
         shown = " or ".join(f"{key} = {os.environ[key]!r}" for key in DISPLAYS if os.environ.get(key))
@@ -58,7 +58,7 @@ def _draw_window(file: Path) -> None:
 
 
 def check_can_show(output: str | Path | None) -> None:
-    """Refuse, before any work is done, a window where there is no display, and a film that cannot be written.
+    """Refuse a window without a display, and a film that cannot be written, before the computation begins.
 
     Parameters
     ----------

@@ -30,16 +30,18 @@ class Sample:
     base: FloatArray
     """Displacement and velocity of the base, m and m/s, shape ``(2, m)``."""
     faces: FloatArray
-    """Displacement of the face of each stop, m, shape ``(m, s)``: its gap, or the displacement of the beam that presses
-    it."""
+    """Displacement of the face of each stop, m, shape ``(m, s)``: its gap while open, the beam's displacement while
+    closed."""
     force: FloatArray
     """Force of each stop on the beam, N, positive upwards, shape ``(m, s)``."""
     closed: IntArray
     """1 where a stop is closed, else 0, shape ``(m, s)``."""
     whole: dict[str, FloatArray | IntArray]
     """Values of the whole joint by name, each of shape ``(m,)``."""
+    moved: FloatArray
+    """Displacement of each stop relative to the base, m, shape ``(m, s)``: -y for a stop fixed in space, else 0."""
     gapped: bool = True
-    """Whether the stops stand behind their gaps; modes have no gaps."""
+    """Whether stops have gaps; in mode shapes they have none."""
 
 
 class Source(Protocol):
@@ -85,13 +87,14 @@ class Motion:
         stops = history.problem.stops
         closed = np.array([[i in state for i in range(len(stops))] for state in states], dtype=np.int64)
         closed = closed.reshape(times.size, len(stops))
-        faces = np.where(closed, beam["z"][:, layout.at_stops], [stop.sign * stop.gap for stop in stops])
+        moved = -history.base_of_stops(times).T
+        faces = np.where(closed, beam["z"][:, layout.at_stops], moved + [stop.sign * stop.gap for stop in stops])
         whole = _closed_stops(closed)
         if is_paper_joint(history.problem):
             whole["contact_state"] = np.array([paper_state_number(history.problem, state) for state in states])
         force = history.contact_force(times).T
         base = np.array([history.base(times), history.base(times, 1)])
-        return Sample(times, beam, base, faces, force, closed, whole)
+        return Sample(times, beam, base, faces, force, closed, whole, moved)
 
 
 @dataclass(frozen=True)
@@ -111,10 +114,11 @@ class ModeSeries:
         faces = closed * beam["z"][:, layout.at_stops]
         force = -np.array([stop.stiffness for stop in stops]) * faces
         whole = {"angular_frequency": self.modes.angular_frequencies[here], **_closed_stops(closed)}
-        return Sample(np.asarray(times, dtype=float), beam, still, faces, force, closed, whole, gapped=False)
+        unmoved = np.zeros(faces.shape)
+        return Sample(np.asarray(times, dtype=float), beam, still, faces, force, closed, whole, unmoved, gapped=False)
 
 
 def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:
-    """A number with bit i set where stop i is closed, shape ``(m,)``; none where there are more stops than bits."""
+    """A number whose bit i is set while stop i is closed, shape ``(m,)``; empty if there are more stops than bits."""
     stops = closed.shape[1]
     return {"closed_stops": closed @ (1 << np.arange(stops))} if 0 < stops < 63 else {}

@@ -18,10 +18,10 @@ from lapjoint.scene.parts import UNITS, Arrays, Part, Values, parts_of
 from lapjoint.scene.sampled_motion import ModeSeries, Motion, Source
 
 BLOCK = 64
-"""Number of times that are evaluated at once: it bounds the memory, and is enough for arrays to be quick."""
+"""Number of times that are evaluated at once: enough for fast array operations, with limited memory."""
 APART = 1.5
-"""Clear distance between joints that stand side by side, in breadths of a beam, or in 1/15 of its length if that is
-more."""
+"""Clear distance between joints side by side, divided by the breadth of a beam or by 1/15 of its length, whichever is
+larger."""
 
 
 class Block(NamedTuple):
@@ -37,10 +37,10 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Scene:
-    """Joints in motion, in the sequence of `sources`, each shifted along -y past the one before it."""
+    """Joints in motion, in the order of `sources`, each shifted along -y past the previous one."""
 
     sources: tuple[tuple[str, Source], ...]
-    """The motions, each with a short name; where there are several, the parts' names begin with these."""
+    """The motions, each with a short name; if there are several, the names of parts begin with it."""
     points: int = 81
     """Number of equidistant stations along each beam."""
 
@@ -74,10 +74,10 @@ class Scene:
         )
 
     def block(self, times: FloatArray) -> Block:
-        """All values of the scene at times, s, (m,); for modes these are their numbers, from 1.
+        """All values of the scene at times, s, (m,); for modes the times are their numbers, from 1.
 
-        Beams and solids of the second motion and of later ones also carry ``difference``, their displacement less that
-        of the first motion, if both have the same points.
+        Beams and solids of every motion after the first also carry ``difference``, their displacement minus the
+        displacement of the first motion, if both motions have the same points.
         """
         values: list[Values] = []
         whole: Arrays = {}
@@ -96,7 +96,7 @@ class Scene:
             yield self.block(times[start : start + BLOCK])
 
     def unit(self, name: str) -> str:
-        """The SI unit of a value, ``1`` if it has none; a mode's values are per unit of its coordinate, m kg^1/2."""
+        """The SI unit of a value, ``1`` if it has none; values of a mode are divided by its coordinate, m kg^1/2."""
         if name == "angular_frequency":
             return "rad/s"
         unit = UNITS.get(name, "1")
@@ -115,7 +115,7 @@ def motion_scene(motion: History | Mapping[str, History], points: int = 81) -> S
         if not re.fullmatch(r"[\w+-]+", name):
             raise InputError(f"motion: {name!r} names one; allowed are letters, digits, +, - and _")
     scene = Scene(tuple((name, Motion(history)) for name, history in named.items()), points)
-    _ = scene.layouts  # refuses a number of points that is out of range
+    _ = scene.layouts  # raises an error if `points` is out of range
     return scene
 
 
@@ -140,7 +140,7 @@ def mode_scene(problem: Problem, modes: Modes, points: int = 81) -> Scene:
 
 
 def _compared(part: Part, values: Values, first: Arrays) -> Values:
-    """The values of a part; in a later motion also how its displacement differs from the first motion's."""
+    """The values of a part of a later motion, with ``difference``, its displacement minus that of the first motion."""
     moved = values.point["displacement"]
     if part.name not in ("beam", "solid"):
         return values

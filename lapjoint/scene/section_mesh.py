@@ -16,7 +16,7 @@ from lapjoint.problem.beam import Circle, Rectangle, Section, Tube
 
 IntArray = NDArray[np.int64]
 CORNERS = 48
-"""Number of corners of the polygon that stands for a circle; its area is less by 0.3 %."""
+"""Number of corners of the polygon that replaces a circle; the area of the polygon is smaller by 0.3 %."""
 
 
 class SectionMesh(NamedTuple):

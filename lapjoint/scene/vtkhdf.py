@@ -1,12 +1,12 @@
 """Writes a scene as one VTKHDF file (version 2.3 of the format): all parts in one unstructured grid, at all times.
 
 The fixed points and cells are stored once.  The cell value ``part`` tells the parts apart: it counts from 0 in the
-sequence of the attribute ``parts``.  Values that a part does not carry are NaN, or -1 where they are whole numbers.
-The attribute ``units`` of a dataset is its unit.
+order of the attribute ``parts``.  Values that a part does not carry are NaN, or -1 for integers.  The attribute
+``units`` of a dataset is its unit.
 
-h5py writes the file after the format's description in VTK's documentation.  VTK's own writer (9.7) is not used, because
-it keeps times in single precision, in which both ends of a short contact are equal.  The parts share one grid and are
-no blocks, because the reader of VTK 9.7 shows the first time step of blocks at all times.
+h5py writes the file, by the description of the format in VTK's documentation.  VTK's own writer (9.7) stores times in
+single precision, in which both ends of a short contact are equal.  The parts are in one grid, not in separate blocks,
+because the reader of VTK 9.7 shows the first time step of blocks at all times.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _FIXED = ("PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
 
 
 def write_vtkhdf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME.vtkhdf``, with a note as its attribute; the file takes its name when it is complete."""
+    """Write ``NAME.vtkhdf``, with a note as an attribute; the file gets its name when it is complete."""
     path = folder / f"{name}.vtkhdf"
     parts = [part for _, part in scene.parts]
     with completed(path) as unfinished, h5py.File(unfinished, "w") as file:
@@ -61,7 +61,7 @@ def _write_grid(root: Any, parts: Sequence[Part]) -> None:
 
 
 def _start_steps(root: Any) -> None:
-    """Make the tables of the time steps, still empty; fixed points and cells have the offset 0 in each step."""
+    """Make the empty tables of the time steps; fixed points and cells have the offset 0 in each step."""
     for data in ("PointData", "CellData", "FieldData"):
         root.create_group(data)
         root.create_group(f"Steps/{data}Offsets")
@@ -97,7 +97,7 @@ def _append(root: Any, block: Block, parts: Sequence[Part], scene: Scene) -> Non
 def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arrays:
     """The values of all parts side by side, shape (number, points or cells of all parts).
 
-    Values that a part lacks are NaN, or -1 where they are whole numbers.
+    Values that a part does not carry are NaN, or -1 for integers.
     """
     found: Arrays = {}
     for name in dict.fromkeys(name for arrays in carried for name in arrays):
@@ -114,7 +114,7 @@ def _joined(carried: Sequence[Arrays], sizes: Sequence[int], number: int) -> Arr
 
 
 def _extend(group: Any, name: str, rows: Any, unit: str = "") -> None:
-    """Append rows to a dataset, shape ``(rows, ...)``, which is made with its first rows."""
+    """Append rows, shape ``(rows, ...)``, to a dataset, which is made with the first rows."""
     if name not in group:
         rest = rows.shape[1:]
         group.create_dataset(

@@ -21,9 +21,9 @@ _CELL_TYPES = {2: "line", 4: "quad", 8: "hexahedron"}
 
 
 def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, note: str) -> Path:
-    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or none of them; returns the first part's file.
+    """Write ``NAME_PART.xdmf`` and ``NAME_PART.h5`` for each part, or no file at all; return the first part's file.
 
-    Files of an earlier series of this name stay until this one is complete.  This format has no place for a note.
+    Files of an earlier series of this name remain until the new series is complete.  The format cannot hold the note.
     """
     names = [f"{name}_{label}.xdmf" for label, _ in scene.parts]
     with completed_series(folder, lambda: _remove(folder, name)) as draft:
@@ -32,7 +32,7 @@ def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, n
 
 
 def _remove(folder: Path, name: str) -> None:
-    """Remove the files of a series, for all parts that it has."""
+    """Remove the files of all parts of a series."""
     for part in PARTS:
         for old in (*folder.glob(f"{name}_{part}.xdmf"), *folder.glob(f"{name}_*_{part}.xdmf")):
             old.unlink()
@@ -53,7 +53,7 @@ def _write_all(scene: Scene, blocks: Iterable[Block], paths: Sequence[Path]) -> 
 
 
 def _series(path: Path) -> Any:
-    """meshio's writer of a series, changed so that it keeps its numbers beside `path`, not in the current folder."""
+    """meshio's writer of a series, changed so that it writes its HDF5 file beside `path`, not in the current folder."""
     from meshio.xdmf import TimeSeriesWriter
 
     class Beside(TimeSeriesWriter):  # type: ignore[misc]

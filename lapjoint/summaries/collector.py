@@ -1,16 +1,17 @@
-"""Sums over a motion that comes in stretches.
+"""Sums over a motion that a solver gives in stretches.
 
-**Means and root mean squares** come from samples: one in each interval of 1 / rate, whose place in the interval moves
-on by the golden section.  Such samples are unbiased at any rate, of a periodic motion too.  A lower rate widens the
-confidence intervals, but hardly, as long as samples are closer than the correlation time of the motion.
+**Means and root mean squares** come from samples.  Each interval of 1 / rate has one sample, whose place within the
+interval advances by the golden section from one interval to the next.  These samples are unbiased at any rate, also for
+a periodic motion.  A lower rate hardly widens the confidence intervals, as long as samples are closer than the
+correlation time of the motion.
 
-**Peaks** of forces are the peaks of the contacts, which a solver finds itself.  Other peaks begin with the largest
-samples of a unit.  Around each sample that is the largest so far, and around the hardest contact of each stop so far,
-the motion is sampled `FINE` times as closely, and once more around the largest of these samples.  A quantity that
-varies more slowly than the rate gets its true peak.  Of a faster one a peak between samples may be missed, so that the
-peak found is a lower bound.
+**Peaks** of forces are the peaks of the contacts, which the solver computes.  The search for other peaks begins with
+the largest samples of a unit.  Around each sample that is the largest so far, and around the hardest contact of each
+stop so far, the motion is sampled `FINE` times as closely, and once more around the largest of these samples.  The peak
+of a quantity that varies more slowly than the sampling is exact.  A peak of a faster quantity may lie between samples,
+so that the result is a lower bound.
 
-**Contacts** are counted once, in the unit in which they begin, even where the end of a stretch cuts them.
+**Contacts** are counted once, in the unit in which they begin, even if the end of a stretch cuts them.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
-    """One time, s, in each interval of 1 / rate, counted from 0, from `start` to before `end`; `AT_ONCE` together.
+    """Sampling times t, s, `start` <= t < `end`, one in each interval of 1 / rate, in arrays of at most `AT_ONCE`.
 
-    The times do not depend on how a motion is cut into stretches.
+    The intervals begin at 0, so that the times do not depend on how a motion is cut into stretches.
     """
     last = math.ceil(end * rate)
     for first in range(math.floor(start * rate), last, AT_ONCE):
@@ -51,7 +52,7 @@ def sample_times(rate: float, start: float, end: float) -> Iterator[FloatArray]:
 class Collector:
     """The sums of a motion, stretch after stretch, without its first `settle` seconds.
 
-    The rest, up to `duration`, s, is cut into `units`; samples are taken at a rate, Hz.
+    The rest, up to `duration`, s, is cut into `units` units, and sampled at `rate`, Hz.
     """
 
     def __init__(self, selection: Selection, settle: float, duration: float, units: int, rate: float) -> None:
@@ -75,17 +76,17 @@ class Collector:
                 self._take_samples(history, unit, lo, hi)
 
     def finish(self) -> Sums:
-        """All sums, when the last stretch is taken; contacts that still go on are cut."""
+        """All sums, after the last stretch; contacts that still last are cut."""
         self._add([(going.contact, going.speed, True) for going in self._going.values()])
         self._going = {}
         return self.sums
 
     def _unit_of(self, t: float) -> int:
-        """The unit that a time is in; the first or the last where it is in none."""
+        """The unit that contains a time; the first or the last unit if the time is outside all units."""
         return int(np.clip(np.searchsorted(self._edges, t, side="right") - 1, 0, self._edges.size - 2))
 
     def _take_samples(self, history: History, unit: int, lo: float, hi: float) -> None:
-        """Add samples between two times, s, of a unit, and look for the peaks among them."""
+        """Add samples between two times, s, of a unit, and search for peaks among them."""
         sums = self.sums
         largest, when = np.zeros_like(sums.peak[unit]), np.zeros_like(sums.peak[unit])
         for part in sample_times(self._rate, lo, hi):
@@ -101,7 +102,8 @@ class Collector:
             self._look(history, unit, np.clip(np.concatenate(around), lo, hi))
 
     def _records(self, unit: int, largest: FloatArray, when: FloatArray) -> list[FloatArray]:
-        """Times around samples larger than all earlier ones, at the places asked for and at the largest place."""
+        """Times around samples larger than all earlier samples, at the chosen places and at the place of the largest
+        sample."""
         steps = np.arange(-FINE, FINE + 1) / (FINE * self._rate)
         found = []
         for q, (values, before) in enumerate(zip(largest, self.sums.peak[unit], strict=True)):
@@ -110,7 +112,7 @@ class Collector:
         return found
 
     def _hard_contacts(self, history: History, unit: int, lo: float, hi: float) -> list[FloatArray]:
-        """Times around the hardest contact of each stop, if it is harder than all earlier ones."""
+        """Times around the hardest contact of each stop, if it is harder than all earlier contacts."""
         found, hardest = {}, self._hardest[unit]
         for contact in history.contacts:
             if lo <= contact.start < hi and contact.peak_force > hardest[contact.stop]:
@@ -119,7 +121,7 @@ class Collector:
         return [contact.start + shares * contact.duration for contact in found.values()]
 
     def _look(self, history: History, unit: int, t: FloatArray) -> None:
-        """Look for peaks at times, s, and once more around the times at which a quantity is largest."""
+        """Search for peaks at times, s, and then around the times at which a quantity is largest."""
         for step in (0.0, 1.0 / FINE**2):
             t = np.unique(t)
             largest, when = np.zeros_like(self.sums.peak[unit]), np.zeros_like(self.sums.peak[unit])
@@ -152,15 +154,14 @@ class Collector:
         contacts, stops = history.contacts, history.problem.stops
         if not contacts:
             return np.zeros(0)
-        x, row = np.unique([stop.x for stop in stops], return_inverse=True)
         starts, which = np.array([c.start for c in contacts]), np.array([c.stop for c in contacts])
         parts = np.split(starts, range(AT_ONCE, starts.size, AT_ONCE))
-        velocity = np.concatenate([history.velocity(x, part) for part in parts], axis=1)
+        velocity = np.concatenate([history.seen_by_stops(part, 1) for part in parts], axis=1)
         signs = np.array([stop.sign for stop in stops])
-        return np.asarray(np.maximum(signs[which] * velocity[row[which], np.arange(starts.size)], 0.0))
+        return np.asarray(np.maximum(signs[which] * velocity[which, np.arange(starts.size)], 0.0))
 
     def _add(self, done: list[tuple[Contact, float, bool]]) -> None:
-        """Add whole contacts, with their impact speeds, and whether an end of the motion cuts them."""
+        """Add complete contacts: each with its impact speed, m/s, and whether an end of the motion cuts it."""
         if not done:
             return
         sums, first, last = self.sums, self._edges[0], self._edges[-1]

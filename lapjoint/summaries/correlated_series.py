@@ -1,15 +1,14 @@
 r"""Means of correlated series: their standard errors by blocking, and a weighted mean that converges fast.
 
-The plain standard error takes neighbours for independent; where they are correlated, the plain standard error is too
-small.  Blocking (H. Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461) averages blocks of growing length L.
-The standard error s(L) from the scatter of the means rises until L exceeds the time of correlation, then levels off.
-The longest blocks are `_BLOCKS`.  If s has risen from blocks a quarter as long to these, s is taken to rise by the same
-factor again,
+The plain standard error treats neighbours as independent, and is too small if they are correlated.  Blocking (H.
+Flyvbjerg and H. G. Petersen, J. Chem. Phys. 91 (1989) 461) averages blocks of growing length L. The standard error s(L)
+from the scatter of the means rises until L exceeds the time of correlation, then levels off.  There are `_BLOCKS` of
+the longest blocks.  If s has risen from blocks a quarter as long to these, s is taken to rise by the same factor again,
 
     s = s(L) max(1, s(L) / s(L / 4)),
 
-by a factor of 2 at most, the factor of blocks whose neighbours are all alike.  The error of an AR(1) series is then
-right even if L is only its time of correlation.
+by at most a factor of 2, which holds for blocks whose neighbours are equal.  The error of an AR(1) series is then right
+even if L is only its time of correlation.
 
 The plain mean over a quasi-periodic motion converges as 1/n.  With the weights w(t) = exp(-1 / (t (1 - t))), 0 < t < 1,
 the mean over a smooth quasi-periodic motion converges faster than any power (S. Das, Y. Saiki, E. Sander and J. Yorke,
@@ -23,8 +22,8 @@ import numpy as np
 from lapjoint.problem import FloatArray
 
 _BLOCKS = 16
-"""Number of blocks when blocks are longest: their mean follows Student's t with 15 degrees of freedom, and is off by
-more than two standard errors in 6 % of cases."""
+"""Number of the longest blocks: their mean follows Student's t with 15 degrees of freedom, and has an error of more
+than two standard errors in 6 % of cases."""
 
 
 def standard_error(series: FloatArray) -> float:

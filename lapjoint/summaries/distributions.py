@@ -1,6 +1,6 @@
-"""Distributions of contacts in a fixed number of bins of equal ratio, `PER_DECADE` a decade, which keep the tails.
+"""Distributions of contacts in a fixed number of bins of equal ratio, `PER_DECADE` in a decade.
 
-The number of contacts beyond a bin's edge is exact; between two edges, which are 12 % apart, it is unknown.
+The number of contacts beyond an edge of a bin is exact, also in the tails.  Edges are 12 % apart.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from lapjoint.problem import FloatArray
 IndexArray = npt.NDArray[np.intp]
 
 PER_DECADE = 20
-"""Bins in a factor of ten: each is 12 % wider than the one before."""
+"""Number of bins in a factor of ten: each bin is 12 % wider than the previous one."""
 DECADES = (-12, 12)
-"""Exponents of ten of the first and the last edge, in SI units; values beyond are in the first or the last bin."""
+"""Exponents of ten of the first and the last edge, in SI units; values beyond them are in the first or the last bin."""
 BINS = PER_DECADE * (DECADES[1] - DECADES[0])
 """Number of bins."""
 

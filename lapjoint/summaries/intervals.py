@@ -1,18 +1,19 @@
-"""Intervals that hold the true value 95 times in a hundred, from units that are all but independent.
+"""Intervals that contain the true value 95 times in a hundred, from nearly independent units.
 
-A unit is a part of a motion that is long against its correlation, or the whole of one of several realisations.
+A unit is a part of a motion that is long compared with the time of correlation, or a whole realisation.
 
-**Means** of values of either sign: Student's t over the units.  **Root mean squares**, means of values that are never
-negative (the largest in a unit, time in contact) and rates of many events: Student's interval of the reciprocal of the
-root of the mean m, to first order.  It runs from m / (1 + h)^2 to m / (1 - h)^2 with h = t s / (2 m sqrt(n)), and has
-no upper end where h is 1 or more.  Where few hard contacts make up the sum, a mean that is too low comes with a scatter
-s that is too low by more than its share.  The reciprocal root allows for this; an interval of the logarithm would lie
-below the truth in one case in ten.
+**Means** of values of either sign have the interval of Student's t over the n units.
 
-**Rare events**, where fewer than half of the units have `FEW` of them: the exact interval of a Poisson count (Garwood,
-Biometrika 28, 1936).  Events that come in clusters are fewer independent ones.  The index of dispersion D of the units'
-counts (variance over mean, but no less than 1) tells how many: N events have the interval of N / D, times D.  Without
-any event, D is 1.
+**Root mean squares**, means of values that are never negative (the largest in a unit, time in contact) and rates of
+many events have Student's interval of the reciprocal root of the mean m, to first order.  With the scatter s of the
+units and h = t s / (2 m sqrt(n)), it runs from m / (1 + h)^2 to m / (1 - h)^2, and has no upper end if h is 1 or more.
+If few hard contacts make up the sum, a mean that is too low comes with a scatter that is too low by a larger factor.
+The reciprocal root allows for this; an interval of the logarithm would lie below the truth in one case in ten.
+
+**Rare events**, if fewer than half of the units have `FEW` events or more, have the exact interval of a Poisson count
+(Garwood, Biometrika 28, 1936).  Events in clusters count as fewer independent events, by the index of dispersion D of
+the units' counts, the variance divided by the mean, but at least 1: N events have the interval of N / D, times D.
+Without any event, D is 1.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from lapjoint.problem import FloatArray
 LEVEL = 0.95
 """Probability that an interval holds the true value."""
 FEW = 5
-"""Number of events in a unit below which events are rare."""
+"""Number of events in a unit below which events count as rare."""
 _TAIL = (1 - LEVEL) / 2
 
 

@@ -1,4 +1,4 @@
-"""How a motion is summarised: the time left out at its start, the length of a unit, and the sampling rate."""
+"""The settings of a summary: the time left out at the start, the length of a unit, and the sampling rate."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from lapjoint.summaries.quantities import Selection
 from lapjoint.summaries.sums import Sums
 
 SETTLED = 7.0
-"""Time left out at the start by default, in decay times of the slowest mode: a thousandth of the initial motion remains
-after it."""
+"""Default time left out at the start, in decay times of the slowest mode: a thousandth of the initial motion is then
+left."""
 LONG = 20.0
-"""Least length of a unit, in decay times of the slowest mode, for neighbouring units to be all but independent."""
+"""Least length of a unit, in decay times of the slowest mode, with which neighbouring units are nearly independent."""
 UNITS = 32
 """Number of units of all realisations together, from which confidence intervals follow."""
 ENOUGH = 8
-"""Number of units below which an interval is wide because there are few units."""
+"""Number of units below which a remark says that the intervals are wide because there are few units."""
 SAMPLES_A_PERIOD = 16
-"""Samples in a period of the slowest mode by default."""
+"""Default number of samples in a period of the slowest mode."""
 LEAST_SAMPLES = 4096
-"""Least number of samples of a motion by default."""
+"""Least default number of samples of a motion."""
 LEAST_IN_UNIT = 16
 """Least number of samples in a unit."""
 MOST_SAMPLES = 1e10
-"""Largest number of samples of a motion, which take a day."""
+"""Largest number of samples of a motion, which takes a day to compute."""
 _MODES = 8
-"""Number of the lowest modes of the free joint among which the mode that decays slowest is looked for."""
+"""Number of the lowest modes of the free joint among which the mode with the slowest decay is found."""
 
 
 @dataclass(frozen=True)
 class Measure:
-    """How a motion is summarised."""
+    """The settings of a summary."""
 
     selection: Selection
     """The quantities and places."""
@@ -70,7 +70,7 @@ def measure(
     settle: float | None = None,
     rate: float | None = None,
 ) -> Measure:
-    """How to summarise motions of a duration, s, of which there are `seeds`.
+    """The settings of a summary of `seeds` motions of a duration, s.
 
     By default, `settle` is `SETTLED` decay times of the slowest mode, and the rate gives `SAMPLES_A_PERIOD` samples in
     a period of the slowest mode.
@@ -106,7 +106,7 @@ def measure(
 
 
 def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress | None = None) -> Sums:
-    """The sums over all units of the motion of a problem with one realisation of its excitation."""
+    """The sums over all units of the motion of a problem, of one realisation of its excitation."""
     collector = Collector(what.selection, what.settle, what.duration, what.units, what.rate)
     for stretch in _stretches(solver, problem, what.duration, progress):
         collector.take(stretch)
@@ -114,7 +114,7 @@ def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress 
 
 
 def _stretches(solver: Solver, problem: Problem, duration: float, progress: Progress | None) -> Iterator[History]:
-    """The motion in stretches; in one stretch where the solver gives no others."""
+    """The motion in stretches; in a single stretch if the solver gives no others."""
     if isinstance(solver, Streams):
         yield from solver.stream(problem, duration, progress=progress)
     else:
@@ -122,13 +122,13 @@ def _stretches(solver: Solver, problem: Problem, duration: float, progress: Prog
 
 
 def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
-    """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 where there is none.
+    """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 if there is none.
 
-    The lowest modes tell: under modal damping of one ratio, and under viscous damping, higher modes do not decay
-    slower.
+    The lowest modes are enough: higher modes do not decay more slowly under viscous damping, or modal damping of one
+    ratio.
     """
     omega = _lowest_modes(problem, solver)
-    damping, bends = problem.damping, omega > 1e-6 * omega.max()
+    damping, bends = problem.damping, np.arange(omega.size) >= problem.structure.free_motions
     if isinstance(damping, ModalDamping):
         rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):

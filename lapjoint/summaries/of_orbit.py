@@ -1,12 +1,13 @@
 """Peaks, root mean squares and contact times of a steady state, with their numerical errors.
 
-A periodic motion is sampled over one period: by Gauss's rule between each two switches, in parts so short that its
-fastest mode is followed (but at most `MOST` samples), and again around the largest samples.  Errors follow from the
-summary of the motion at a finer resolution, as `lapjoint.orbits.refinement` says.
+A periodic motion is sampled over one period, by Gauss's rule on short parts between consecutive switches, `PER_PERIOD`
+samples in a period of the fastest mode but at most `MOST` in all, and again around the largest samples.  Errors follow
+from the summary of the motion at a finer resolution, see `lapjoint.orbits.refinement`.
 
-Of a motion that does not repeat, `WANDERING` excitation periods are summarised, from where it was accepted.  The error
-of a mean or a root mean square is the standard error of the mean over these periods, which allows for the correlation
-from period to period.  No error of a peak can be stated, because a peak grows with the time that is looked at.
+For a motion that does not repeat, `WANDERING` excitation periods are summarised, from the point at which it was
+accepted.  The error of a mean or a root mean square is the standard error of the mean over these periods, which allows
+for the correlation from period to period.  No error of a peak can be stated, because a peak grows with the length of
+the motion.
 """
 
 from __future__ import annotations
@@ -28,17 +29,16 @@ from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, ke
 MOST = 1 << 15
 """Largest number of samples of a motion."""
 FINER = 1.5
-"""Factor by which `MOST` is multiplied for the finer motion: the error of too few samples then shows in the difference,
-too."""
+"""Factor on `MOST` for the finer motion, so that the difference also shows the error of too few samples."""
 WANDERING = 128
-"""Number of excitation periods over which a motion that does not repeat is summarised: twice as many as a standard
+"""Number of excitation periods over which a motion that does not repeat is summarised: twice the number that a standard
 error needs."""
 PER_PERIOD = 8.0
-"""Samples in a period of the fastest mode, up to `MOST` in all: Gauss's rule of four points needs no more."""
+"""Samples in a period of the fastest mode, up to `MOST` in all: enough for Gauss's rule of four points."""
 _FINE = 16
-"""Number of times on either side of the largest sample, up to its neighbours, at which the peak is looked for."""
+"""Number of times on either side of the largest sample, up to its neighbour, at which the peak is searched."""
 _AT_ONCE = 4096
-"""Largest number of times that are evaluated at once, to bound the memory."""
+"""Largest number of times that are evaluated at once, to limit the memory."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 OF_STOPS = {
     "force_peak": ("N", "largest force of the stop, its magnitude"),
@@ -61,11 +61,12 @@ class OrbitSummary:
     """By name: ``<quantity>_peak`` and ``<quantity>_rms``, shape ``(X,)``, in the quantity's unit; `OF_STOPS`,
     ``(S,)``."""
     errors: dict[str, FloatArray] | None
-    """Estimates of the numerical errors of `values`; infinite where none can be stated, None where none was made."""
+    """Estimates of the numerical errors of `values`; infinite where no error can be stated, None if none were
+    estimated."""
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
-    """Names of a summary, each once; an unknown one is an `InputError`."""
+    """Names of values of a summary, each once; an unknown name is an `InputError`."""
     for name in names:
         if name not in SUMMARIES:
             raise InputError(f"summary {name!r}: is unknown; allowed: {', '.join(SUMMARIES)}")
@@ -73,7 +74,7 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def quantities_of(names: Sequence[str]) -> list[str]:
-    """The names of the quantities of places that some names of a summary need."""
+    """The quantities of the beam that some names of values need."""
     return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
 
 
@@ -87,20 +88,20 @@ def summarise(
     steady : SteadyState
         The steady state.
     at : sequence of float, optional
-        Places, m; by default those of the stops and of the ends that no support fixes.
+        Places, m; by default the stops, and the ends that no support fixes.
     quantities : sequence of str, optional
-        Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration, moment
-        and, where the beam has a section, stress.
+        Names from `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration,
+        moment and, if the beam has a section, stress.
 
     Returns
     -------
     OrbitSummary
-        The values, and their errors where errors of the impulses were estimated.
+        The values, and their errors if errors of the impulses were estimated.
 
     Raises
     ------
     InputError
-        If a place is off the beam, or a quantity is unknown or needs what the problem has not.
+        If a place is off the beam, a quantity is unknown, or the problem lacks something that a quantity needs.
     """
     what = selection(steady.problem, at=at, quantities=quantities)
     if not steady.period_multiple:
@@ -118,13 +119,13 @@ def summarise(
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
-        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # values of stops are no derivatives
+        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # values of stops have no derivatives
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_STOPS:
             errors[name][unknown] = math.inf
         else:
-            errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # a condition that both fulfil, as of a free end
+            errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # both fulfil a condition, e.g. of a free end
     return OrbitSummary(what, means, errors)
 
 
@@ -202,9 +203,10 @@ def _samples(history: History, edges: FloatArray, most: float) -> tuple[FloatArr
 
 
 def _look_closer(history: History, what: Selection, step: float, peaks: FloatArray, when: FloatArray) -> None:
-    """Look around the largest samples at the places asked for and at the largest place; arrays are (Q, X)."""
+    """Search for peaks around the largest samples, at the chosen places and at the place of the largest sample; `peaks`
+    and `when` are (Q, X)."""
     steps = step * np.arange(-_FINE, _FINE + 1) / _FINE
-    for q, row in enumerate(peaks):  # each by itself, so that a peak does not depend on the other quantities
+    for q, row in enumerate(peaks):  # separately, so that a peak does not depend on the other quantities
         middle = when[q, np.union1d(what.asked, [int(np.argmax(row))])]
         t = np.unique(np.clip(middle[:, None] + steps, history.start, history.end))
         alone = Selection(what.problem, (what.quantities[q],), what.places)

@@ -1,4 +1,4 @@
-"""The quantities of a motion that are summarised, and the places."""
+"""The quantities and the places of a summary."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.answers.history import History
+from lapjoint.answers.history import History, penetration_of
 from lapjoint.answers.quantities import QUANTITIES, Quantity, checked_quantities
 from lapjoint.answers.series import places_of
 from lapjoint.problem import FloatArray, Problem
@@ -17,23 +17,23 @@ from lapjoint.problem import FloatArray, Problem
 IndexArray = npt.NDArray[np.intp]
 
 STATIONS = 33
-"""Number of equidistant places along the beam at which quantities are looked at, besides those asked for."""
+"""Number of equidistant places along the beam that are sampled in addition to the chosen places."""
 ROUNDING = 1e-11
-"""Fraction of a quantity's largest magnitude along the beam, up to which a value is rounding and is stated as zero,
-such as the moment at a free end.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest
+"""Largest value, divided by a quantity's largest magnitude along the beam, that is rounding, and is stated as zero: the
+moment at a free end, for example.  Over random joints with 6 to 400 modes, rounding is at most 1e-13 of the largest
 magnitude, and every other value at least 1e-5."""
 DEFAULT = ("displacement", "velocity", "absolute_acceleration", "moment", "stress")
-"""The quantities of a summary by default; stress only where the beam has a section."""
+"""The default quantities of a summary; stress only if the beam has a section."""
 
 
 @dataclass(frozen=True)
 class Selection:
-    """Quantities, and the places where they are looked at: those asked for, and `STATIONS` along the beam."""
+    """Quantities, and the places at which they are sampled: the chosen places, and `STATIONS` along the beam."""
 
     problem: Problem
     quantities: tuple[Quantity, ...]
     places: tuple[float, ...]
-    """The places asked for, m."""
+    """The chosen places, m."""
 
     @cached_property
     def x(self) -> FloatArray:
@@ -45,7 +45,7 @@ class Selection:
 
     @cached_property
     def asked(self) -> IndexArray:
-        """Indices in `x` of the places that were asked for, shape ``(places,)``."""
+        """Indices in `x` of the chosen places, shape ``(places,)``."""
         return np.searchsorted(self.x, self.places)
 
     @cached_property
@@ -60,14 +60,11 @@ class Selection:
         return tuple(one.factor(self.problem, self.x) for one in self.quantities)
 
     @cached_property
-    def _stops(self) -> tuple[IndexArray, FloatArray, FloatArray, FloatArray]:
-        """Of the stops: where in `x` they are, shape ``(S,)``; sign, gap, m, and stiffness, N/m, ``(S, 1)`` each."""
+    def _stops(self) -> tuple[IndexArray, FloatArray]:
+        """Of the stops: where in `x` they are, shape ``(S,)``; sign times stiffness, N/m, ``(S, 1)``."""
         stops = self.problem.stops
-        columns = (
-            np.array([[getattr(stop, name)] for stop in stops], dtype=float).reshape(-1, 1)
-            for name in ("sign", "gap", "stiffness")
-        )
-        return np.searchsorted(self.x, [stop.x for stop in stops]), *columns  # type: ignore[return-value]
+        signed = np.array([[stop.sign * stop.stiffness] for stop in stops], dtype=float).reshape(-1, 1)
+        return np.searchsorted(self.x, [stop.x for stop in stops]), signed
 
     def values(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The quantities at all places, (Q, X, m), and the stops' forces, N, upwards, (S, m), at times, s, (m,)."""
@@ -77,8 +74,9 @@ class Selection:
             np.multiply(found[one.dx, one.dt], factor, out=row)
             if one.absolute:
                 row += history.base(t, one.dt)
-        at, sign, gap, stiffness = self._stops
-        return result, -sign * stiffness * np.maximum(sign * found[0, 0][at] - gap, 0.0)
+        at, signed = self._stops
+        seen = found[0, 0][at] + history.base_of_stops(t)
+        return result, -signed * np.maximum(penetration_of(self.problem, seen), 0.0)
 
 
 def keep_largest(values: FloatArray, t: FloatArray, largest: FloatArray, when: FloatArray) -> None:
@@ -100,7 +98,7 @@ def is_rounding(peaks: FloatArray) -> npt.NDArray[np.bool_]:
 def selection(
     problem: Problem, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
 ) -> Selection:
-    """Quantities, by default those of `DEFAULT` that the problem has, and places, by default stops and free ends."""
+    """Quantities, by default the `DEFAULT` ones that the problem has, and places, by default stops and free ends."""
     if quantities is None:
         names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.beam.pieces)]
     else:

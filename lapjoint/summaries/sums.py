@@ -1,4 +1,4 @@
-"""The sums over one motion from which its summary follows."""
+"""The sums over a motion from which its summary follows."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ OF_CONTACTS = ("impulse", "peak_force", "contact_duration", "impact_speed")
 
 @dataclass
 class Sums:
-    """Sums over a motion, cut in units of equal duration, each long against the correlation of the motion.
+    """Sums over a motion, cut into units of equal duration, each longer than the time of correlation of the motion.
 
-    Arrays begin with the unit; then come quantities, Q, and places, X, or stops, S.
+    The first index of an array is the unit, U; then follow the quantity, Q, and the place, X, or the stop, S.
     """
 
     duration: float
@@ -51,7 +51,8 @@ class Sums:
 
     @classmethod
     def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
-        """Sums of nothing: numbers of units, each of a duration, s, of quantities, places and stops."""
+        """Sums that are all zero, for numbers of units, each of a duration, s, of quantities, of places and of
+        stops."""
         shape, of_stops = (units, quantities, places), (units, stops)
         return cls(
             duration,
@@ -69,7 +70,7 @@ class Sums:
         )
 
     def plain(self) -> dict[str, Any]:
-        """The sums as values that JSON can hold; floats are written exactly, and empty bins are left out."""
+        """The sums as values for JSON; floats are exact, and empty bins are left out."""
         found: dict[str, Any] = {}
         for name in _NAMES:
             value = getattr(self, name)
@@ -84,7 +85,7 @@ class Sums:
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> Self:
-        """The sums, with the same bits, from the values that `plain` made of them."""
+        """The sums from the values of `plain`, bit for bit."""
         found: dict[str, Any] = {"duration": plain["duration"]}
         for name in _NAMES[1:]:
             kind = np.int64 if name in _COUNTS else float

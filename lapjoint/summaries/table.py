@@ -4,9 +4,9 @@
   the largest in a unit).  All but velocities and accelerations, whose means vanish in a stationary motion, have
   ``*_mean``.
 - Each stop has, over ``stop``, ``force_rms``, ``force_peak``, ``force_maximum``, ``impulse_rate`` (the mean force),
-  ``contact_rate`` and ``contact_time`` (the share of time in contact).
-- Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``, how often a second contacts reach or
-  exceed the lower edge of a bin.
+  ``contact_rate`` and ``contact_time`` (the fraction of time in contact).
+- Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``: the number of contacts a second that
+  reach or exceed the lower edge of a bin.
 
 A value with an interval has a second variable, ``*_interval``, over ``bound`` too.
 """
@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CORRELATED = 0.3
-"""Correlation of neighbouring units above which units are too short: intervals are then a third too narrow."""
+"""Correlation of neighbouring units above which a remark says that units are too short: intervals are then a third too
+narrow."""
 MAXIMUM = "mean of the largest magnitude in a unit of time"
 _OF_CONTACTS = {
     "impulse": ("N s", "impulse of a contact, its magnitude"),
@@ -49,7 +50,7 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
 
 
 def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
-    """A sentence for each reason to doubt the confidence intervals, which come from `realisations` motions."""
+    """A sentence for each reason to doubt the confidence intervals of `realisations` motions."""
     found, units = [], sums.samples.size
     if units < ENOUGH:
         found.append(
@@ -70,7 +71,7 @@ def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
 
 
 def _correlation(sums: Sums, realisations: int) -> float:
-    """Median correlation of the mean squares of neighbouring units; 0 where there are too few units."""
+    """Median correlation of the mean squares of neighbouring units; 0 if there are too few units."""
     units = sums.samples.size // realisations
     if units < ENOUGH:
         return 0.0
@@ -182,12 +183,12 @@ def _of_stops(sums: Sums) -> dict[str, Variable]:
     )
     never = counts.sum(axis=0) == 0
     for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
-        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # contacts that were never seen tell nothing
+        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # without any contact, the value is unknown
     return found
 
 
 def _signed(units: FloatArray) -> FloatArray:
-    """The interval, (S, 2), of the mean of values that have one sign in all units, (U, S)."""
+    """The interval, (S, 2), of the mean over units of values of one sign, (U, S)."""
     ends = intervals.of_positive_mean(np.abs(units))
     return np.where((units.sum(axis=0) < 0)[:, None], -ends[:, ::-1], ends)
 

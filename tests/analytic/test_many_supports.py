@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, elementwise
 
-from analytic.modes.beam_functions import gram
+from analytic.modes.beam_functions import gram, inertia_of
 from analytic.modes.boundary_conditions import BAND
 from analytic.modes.characteristic_equation import frequencies, layout_of
 from analytic.modes.normal_modes import (
@@ -76,7 +76,7 @@ def assert_modes_are_right(problem: Problem, state: ContactState, judged: list[i
                 assert dynamic_stiffness_count(layout, mp.mpf(float(z[i])) * (1 + mp.mpf(5e-13))) > i
     modes = exact_modes(problem, state, MODES)
     np.testing.assert_allclose(modes.omega, (z / problem.beam.length) ** 2, rtol=1e-13)
-    products = gram(modes.shapes, modes.shapes)
+    products = gram(modes.shapes, modes.shapes, inertia_of(problem.beam))
     # Frequencies that agree to 1e-12 have shapes that hold the rest of sixteen digits only together.
     np.testing.assert_allclose(products, np.eye(MODES), atol=1e-9)
     # Twenty points integrate the few half waves that a 40th of the beam holds to rounding.
@@ -104,6 +104,17 @@ def assert_conditions(problem: Problem, state: ContactState, modes: NormalModes)
         relative = np.where(np.isinf(k), 0.0, k) / beta ** (3 - 2 * d)
         balance = (right[3 - d] - left[3 - d] + sign * relative * value) / (1 + relative)
         assert np.all(np.abs(np.where(np.isinf(k), value, balance)) <= 1e-8 * largest)
+
+
+def test_modes_meet_the_conditions_13a_to_13h_on_springs_of_both_kinds() -> None:
+    """Those of Figure 1: translational and torsional springs of any stiffness at the ends and between them."""
+    supports = [
+        Support(x=0.0, translational=2.4, torsional=0.04),
+        Support(x=0.7, translational=40.0, torsional=0.8),
+        Support(x=2.0, translational=0.8, torsional=2.0),
+    ]
+    problem = unit_beam(np.array([0.0, 2.0]), supports, [])
+    assert_conditions(problem, FREE, exact_modes(problem, FREE, 20))
 
 
 @pytest.mark.parametrize("spans", [2, 44, 51, pytest.param(300, marks=pytest.mark.slow)])
@@ -139,7 +150,9 @@ def test_clamped_spans_that_are_alike_have_as_many_modes_of_one_frequency(spans:
     np.testing.assert_allclose(
         np.sqrt(modes.omega), np.repeat([4.730040744862704, 7.853204624095838], spans), rtol=1e-13
     )
-    np.testing.assert_allclose(gram(modes.shapes, modes.shapes), np.eye(2 * spans), atol=1e-11)
+    np.testing.assert_allclose(
+        gram(modes.shapes, modes.shapes, inertia_of(problem.beam)), np.eye(2 * spans), atol=1e-11
+    )
 
 
 @pytest.mark.parametrize("torsional", 10.0 ** np.arange(2, 17, 2))
@@ -147,7 +160,7 @@ def test_modes_are_orthonormal_however_near_their_frequencies(torsional: float) 
     x = np.arange(9.0)
     problem = unit_beam(x, [Support(x=float(at), translational=math.inf, torsional=torsional) for at in x], [])
     modes = exact_modes(problem, FREE, 16)
-    np.testing.assert_allclose(gram(modes.shapes, modes.shapes), np.eye(16), atol=1e-9)
+    np.testing.assert_allclose(gram(modes.shapes, modes.shapes, inertia_of(problem.beam)), np.eye(16), atol=1e-9)
 
 
 def test_a_root_that_the_count_does_not_bear_out_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,6 +10,7 @@ from dataclasses import replace
 import pytest
 from amplitude_ranges import docs_cantilever, from_below, range_of
 from branch_witness import drawn
+from few_and_many import few_and_many
 from population import joint
 
 import analytic
@@ -87,13 +88,9 @@ def test_what_another_motion_has_is_not_confirmed() -> None:
     assert confirmed(replace(one, error=math.inf), other).verdict == "no error stated"
 
 
-def test_finite_elements_confirm_bifurcations_of_a_few_random_joints() -> None:
-    check(over_their_ranges(QUICK))
-
-
-@pytest.mark.slow
-def test_finite_elements_confirm_bifurcations_of_random_joints() -> None:
-    check(over_their_ranges(range(60)))
+@pytest.mark.parametrize("indices", few_and_many(QUICK, range(60)))
+def test_finite_elements_confirm_bifurcations_of_random_joints(indices: Iterable[int]) -> None:
+    check(over_their_ranges(indices))
 
 
 @pytest.mark.slow

@@ -12,7 +12,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from amplitude_ranges import clamped_response, first_graze, from_below, range_of
+from amplitude_ranges import first_graze, from_below, range_of
+from closed_form import reached
+from few_and_many import few_and_many
 from population import joint
 
 import analytic
@@ -63,8 +65,10 @@ def kind_of(what: Located) -> tuple[str, tuple[int, ...]]:
     return {"end": "birth", "merge": "split"}.get(what.kind, what.kind), what.stops
 
 
-def against_more_modes(indices: Iterable[int]) -> Count:
-    """What six modes have at the same place by forty-eight, at once and not by and by."""
+@pytest.mark.parametrize("indices", few_and_many(FEW, MANY))
+@in_one_thread
+def test_errors_cover_what_eight_times_as_many_modes_have_at_the_same_place(indices: Iterable[int]) -> None:
+    """At once, and not by and by."""
     count = Count()
     for index in indices:
         problem = joint(SEED, index)
@@ -78,13 +82,15 @@ def against_more_modes(indices: Iterable[int]) -> Count:
             else:
                 count.infinite += not math.isfinite(one.error)
                 count.missed += math.isfinite(one.error)
-    return count
+    count.check()
 
 
-def against_other_branches(indices: Iterable[int]) -> Count:
-    """What six modes have against the nearest of its kind on the branch that is followed by forty-eight."""
+@pytest.mark.slow
+@in_one_thread
+def test_errors_of_a_hundred_joints_cover_what_branches_of_many_modes_have() -> None:
+    """Of each bifurcation, the nearest of its kind on the branch that is followed by eight times as many modes."""
     count = Count()
-    for index in indices:
+    for index in range(100):
         problem = joint(SEED, index)
         _, traced = from_below(problem, analytic.Solver(n_modes=MODES), ALL)
         _, fine = from_below(problem, analytic.Solver(n_modes=MORE), ALL)
@@ -96,34 +102,32 @@ def against_other_branches(indices: Iterable[int]) -> Count:
             apart = min((abs(value - one.value) for value in there), default=np.inf)
             if apart <= max(NEAR * one.value, one.error) or not math.isfinite(one.error):
                 count.add(one.error, apart)
-    return count
+    count.check()
 
 
+EIGHT, THREE, MESH = analytic.Solver(n_modes=8), analytic.Solver(n_modes=3), fe_lapjoint.Solver(elements=12)
+
+
+@pytest.mark.parametrize(
+    ("solver", "indices", "aim"),
+    [
+        (EIGHT, range(3), CLOSED),
+        (MESH, range(2), AIM),
+        pytest.param(EIGHT, range(3, 60), CLOSED, marks=pytest.mark.thorough),
+        pytest.param(THREE, range(60), AIM, marks=pytest.mark.thorough),
+        pytest.param(MESH, range(2, 40), AIM, marks=pytest.mark.thorough),
+    ],
+)
 @in_one_thread
-def test_errors_of_twenty_joints_cover_what_eight_times_as_many_modes_have() -> None:
-    against_more_modes(FEW).check()
-
-
-@pytest.mark.slow
-@in_one_thread
-def test_errors_of_two_hundred_joints_cover_what_eight_times_as_many_modes_have() -> None:
-    against_more_modes(MANY).check()
-
-
-@pytest.mark.slow
-@in_one_thread
-def test_errors_of_a_hundred_joints_cover_what_branches_of_many_modes_have() -> None:
-    against_other_branches(range(100)).check()
-
-
-@in_one_thread
-def grazes_of_clamped_beams(solver: object, indices: Iterable[int], aim: float = AIM) -> None:
-    """First grazes of viscously damped cantilevers are those of the closed form, within their errors and an aim."""
+def test_first_grazes_are_those_of_the_closed_form_within_their_errors_and_an_aim(
+    solver: object, indices: Iterable[int], aim: float
+) -> None:
+    """Of viscously damped cantilevers."""
     for index in indices:
         damped = joint(SEED, 2 * index).replace(damping=ViscousDamping(coefficient=0.02 * (1 + index)))
-        (stop,), omega = damped.stops, damped.excitation_frequency
+        omega = damped.excitation_frequency
         assert omega is not None
-        known = stop.gap / clamped_response(0.02 * (1 + index), omega, stop.x)
+        known = float(reached(damped, omega)[0])
         assert first_graze(damped) == pytest.approx(known, rel=1e-5)  # by twelve modes
         _, traced = from_below(damped, solver, POINTS)
         assert traced is not None
@@ -132,15 +136,3 @@ def grazes_of_clamped_beams(solver: object, indices: Iterable[int], aim: float =
         one = stated(graze)
         assert abs(one.value - known) <= min(one.error, aim * known), index
         assert one.error <= AIM * known
-
-
-def test_first_grazes_are_those_of_the_closed_form_within_their_errors() -> None:
-    grazes_of_clamped_beams(analytic.Solver(n_modes=8), range(3), CLOSED)
-    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(2))
-
-
-@pytest.mark.thorough
-def test_many_first_grazes_are_those_of_the_closed_form_within_their_errors() -> None:
-    grazes_of_clamped_beams(analytic.Solver(n_modes=8), range(3, 60), CLOSED)
-    grazes_of_clamped_beams(analytic.Solver(n_modes=3), range(60))
-    grazes_of_clamped_beams(fe_lapjoint.Solver(elements=12), range(2, 40))

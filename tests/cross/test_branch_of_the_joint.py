@@ -8,8 +8,8 @@ import pytest
 import analytic
 from lapjoint import Problem, paper_joint
 from lapjoint.answers.steady_state import SectionPoint
-from lapjoint.campaigns import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.branches.solve import steady_state
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.halves import half_difference

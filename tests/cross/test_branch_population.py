@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import pytest
 from branch_witness import AnySolver, Witnessed, witnessed
+from few_and_many import in_processes
 
 import analytic
 import fe_lapjoint
 
 SEED, COUNT = 2013, 200  # problems that decide; nothing was ever chosen by how this seed goes
 QUICK_SEED, FEW, MORE = 77, (1, 8, 20), (5, 15)  # quickly traced; they have grazes, symmetric motions and unstable ones
-TWINS_IN_THE_MIDDLE = 67  # a gap varies, and the motion from rest settles where its stop has a twin alone
 MOST_WITHOUT = 0.1  # of the problems have no motion from rest that repeats after two periods at most
 LEAST_PUSHED = 2.0  # motions a problem, on average, that are not at a graze, nor have a multiplier near one
 SOLVERS: list[AnySolver] = [analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3)]
@@ -38,16 +36,7 @@ def test_no_branch_of_a_few_random_joints_is_false(solver: AnySolver, indices: t
     check((index, witnessed(solver, QUICK_SEED, index)) for index in indices)
 
 
-def test_a_branch_over_gaps_that_are_twins_at_one_value_alone_is_true() -> None:
-    """There a motion may mirror itself, and nowhere else."""
-    found = witnessed(SOLVERS[0], SEED, TWINS_IN_THE_MIDDLE)
-    assert not found.faults
-    assert found.points
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_no_branch_of_random_joints_is_false(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        tasks = [pool.submit(witnessed, solver, SEED, index) for index in range(COUNT)]
-        check(list(enumerate(task.result() for task in tasks)))
+    check(enumerate(in_processes(partial(witnessed, solver, SEED), range(COUNT))))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dense_march
 import numpy as np
 import pytest
-from branch_witness import drawn, witnessed
 from dense_march import fastest_moving
 from population import joint
 from scipy.linalg import expm, solve_sylvester
@@ -14,7 +13,7 @@ import fe_lapjoint
 from fe_lapjoint.march.system import System
 from lapjoint.problem import FloatArray
 
-SEED, SLIVER = 2013, 177  # a stop at 0.9995 of the beam: the last element's fastest mode has 1.4e8 rad/s
+SEED = 2013
 SOLVER = fe_lapjoint.Solver(elements=3)
 PERIODS = 2
 TIMES = 300  # in a period of the loads, at which the modes that are left out are looked at
@@ -27,7 +26,7 @@ def own_motion(system: System, y: FloatArray, t: float, times: FloatArray) -> Fl
     The answer X (sin, cos) of the unknowns has M X + B = X S, where the loads' own equation is s' = S s.
     """
     n = system.omega.size
-    M, z = dense_march._matrix(system, np.ones(n), y, t)
+    M, z = dense_march.matrix(system, np.ones(n), y, t)
     loads = slice(2 * n + 1, None)
     A = M[: 2 * n, : 2 * n]
     X = solve_sylvester(A, -M[loads, loads], -M[: 2 * n, loads])
@@ -56,16 +55,9 @@ def test_steps_by_the_modes_that_move_find_what_steps_by_all_find(index: int, mo
         y = np.asarray(map_.modal(start)).ravel()
         few = dense_march.dense_march(map_.model, start.state, y, map_.period, PERIODS)
         with monkeypatch.context() as patch:
-            patch.setattr(dense_march, "_STILL", -1.0)
+            patch.setattr(dense_march, "STILL", -1.0)
             every = dense_march.dense_march(map_.model, start.state, y, map_.period, PERIODS)
         assert [stop for stop, _ in few.switches] == [stop for stop, _ in every.switches]
         times = [np.array([t for _, t in one.switches]) for one in (few, every)]
         assert np.abs(times[0] - times[1]).max(initial=0.0) <= 1e-10 * map_.period
         assert np.abs(few.y - every.y).max() <= 1e-9 * np.abs(every.y).max()
-
-
-def test_a_joint_with_a_sliver_of_an_element_can_be_witnessed() -> None:
-    found = witnessed(SOLVER, SEED, SLIVER)
-    assert not found.faults
-    assert found.pushed
-    assert drawn(SEED, SLIVER).problem.stops[0].x > 0.999

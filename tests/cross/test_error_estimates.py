@@ -6,20 +6,22 @@ The truth is the same solver refined until another doubling moves it by less tha
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import Any
 
 import numpy as np
 import pytest
+from few_and_many import in_processes
 from population import stiffened_joint
+from real_joints import real_joint
 from refining import AnySolver, doubled, refined, touches
 
 import analytic
 import fe_lapjoint
-from lapjoint import SteadyState
+from lapjoint import Problem, SteadyState
 from lapjoint.answers import Contact
 from lapjoint.problem import FloatArray
 
@@ -53,9 +55,12 @@ class Judged:
         return float(self.stated.max() / max(self.true.max(), 1e-300))
 
 
-def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, ...] | None:
+Drawn = Callable[[int, int], Problem]
+
+
+def judged_steady(solver: AnySolver, drawn: Drawn, index: int) -> tuple[Judged, ...] | None:
     """Impulses, and `CONTACT_ERRORS` of the contacts, of one steady state; None if it makes none."""
-    problem = stiffened_joint(SEED, index)
+    problem = drawn(SEED, index)
     if not isinstance(solver, analytic.Solver) and not touches(
         SOLVERS[0].steady_state(problem, sensitivity=False, errors=False)
     ):
@@ -79,9 +84,9 @@ def judged_steady(solver: AnySolver, index: int) -> tuple[Judged, ...] | None:
     return Judged(stated, np.zeros(0)), *[Judged(np.zeros(0), np.zeros(0))] * len(CONTACT_ERRORS)
 
 
-def judged_march(solver: AnySolver, index: int) -> tuple[Judged, ...]:
+def judged_march(solver: AnySolver, drawn: Drawn, index: int) -> tuple[Judged, ...]:
     """`CONTACT_ERRORS` of the contacts from rest."""
-    problem = stiffened_joint(SEED, index)
+    problem = drawn(SEED, index)
     assert problem.excitation_frequency is not None
     duration = MARCHED * 2 * math.pi / problem.excitation_frequency
     own = solver.simulate(problem, duration).contacts
@@ -142,40 +147,34 @@ def check_contacts(found: Sequence[Judged]) -> None:
 
 
 QUICK = (4, 8)
+Run = Callable[[Callable[[int], Any], Iterable[int]], Iterable[Any]]
+"""How members of a population are judged: one after the other, or by several processes."""
+DRAWN_BY = (stiffened_joint, real_joint)
 
 
+@pytest.mark.parametrize(
+    ("run", "members", "count"),
+    [(map, QUICK, 2), pytest.param(in_processes, range(DRAWN), COUNT, marks=pytest.mark.slow)],
+)
+@pytest.mark.parametrize("drawn", DRAWN_BY)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_a_few_steady_states_hold(solver: AnySolver) -> None:
-    found = [one for one in (judged_steady(solver, i) for i in QUICK) if one is not None]
-    assert len(found) == len(QUICK)
+def test_errors_of_steady_states_hold(
+    solver: AnySolver, drawn: Drawn, run: Run, members: Iterable[int], count: int
+) -> None:
+    results = run(partial(judged_steady, solver, drawn), members)
+    found = list(islice((one for one in results if one is not None), count))
+    assert len(found) == count
     check_joints([one[0] for one in found])
     for i in range(len(CONTACT_ERRORS)):
         check_contacts([one[1 + i] for one in found])
 
 
+@pytest.mark.parametrize(
+    ("run", "members"), [(map, QUICK), pytest.param(in_processes, range(COUNT), marks=pytest.mark.slow)]
+)
+@pytest.mark.parametrize("drawn", DRAWN_BY)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_a_few_marches_hold(solver: AnySolver) -> None:
-    found = [judged_march(solver, i) for i in QUICK]
-    for i in range(len(CONTACT_ERRORS)):
-        check_contacts([one[i] for one in found])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_steady_states_hold(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        results = (task.result() for task in [pool.submit(judged_steady, solver, i) for i in range(DRAWN)])
-        found = [one for one in results if one is not None][:COUNT]
-    assert len(found) == COUNT
-    check_joints([one[0] for one in found])
-    for i in range(len(CONTACT_ERRORS)):
-        check_contacts([one[1 + i] for one in found])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_errors_of_marches_hold(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        found = [task.result() for task in [pool.submit(judged_march, solver, i) for i in range(COUNT)]]
+def test_errors_of_marches_hold(solver: AnySolver, drawn: Drawn, run: Run, members: Iterable[int]) -> None:
+    found = list(run(partial(judged_march, solver, drawn), members))
     for i in range(len(CONTACT_ERRORS)):
         check_contacts([one[i] for one in found])

@@ -1,24 +1,28 @@
-"""First contacts under records, harmonics and random motions: the solvers agree within their stated errors."""
+"""First contacts under records, harmonics and random motions, and of joints with masses, steps, static loads, preload
+and stops in space: the solvers agree within their stated errors."""
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import warnings
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import pytest
+from few_and_many import in_processes
 from population import driven_joint
+from real_joints import real_march
 
 import analytic
 import fe_lapjoint
+from lapjoint import Problem
 from lapjoint.answers import Contact
 from lapjoint.errors import RecordWarning
 
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
 SEED, COUNT = 271, 200
 FEW = (0, 1, 2, 3, 4, 5, 37)  # two of each kind of excitation, and a record with a load that is a sine
+REAL = (3, 7, 11, 14, 15, 35, 55)  # joints of several features are 14, 15, 35 and 55
 CONTACTS = 3  # of a motion that begins at rest
 MARGIN = 3.0  # of both stated errors together, which are estimates
 ROUNDING = 1e-9  # of the duration, and of the largest impulse: what errors of truncation do not count
@@ -38,11 +42,14 @@ class Compared:
     """Empty, or which contact the two do not share."""
 
 
-def compared(index: int) -> Compared:
-    """Both solvers on one problem."""
+Drawn = Callable[[int, int], tuple[Problem, float]]
+
+
+def compared(drawn: Drawn, index: int) -> Compared:
+    """Both solvers on one problem, from rest."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)
-        problem, duration = driven_joint(SEED, index)
+        problem, duration = drawn(SEED, index)
         every = [solver.simulate(problem, duration).contacts for solver in SOLVERS]
     size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
     one, other = ([c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every)
@@ -73,11 +80,12 @@ def check(found: list[Compared], least: int) -> None:
     assert len(missed) <= MOST_MISSED * len(numbers), missed
 
 
-def test_the_solvers_agree_on_the_first_contacts_of_a_few_joints() -> None:
-    check([compared(i) for i in FEW], 12)
+@pytest.mark.parametrize(("drawn", "few"), [(driven_joint, FEW), (real_march, REAL)])
+def test_the_solvers_agree_on_the_first_contacts_of_a_few_joints(drawn: Drawn, few: tuple[int, ...]) -> None:
+    check([compared(drawn, i) for i in few], 12)
 
 
 @pytest.mark.slow
-def test_the_solvers_agree_on_the_first_contacts_of_many_joints() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check(list(pool.map(compared, range(COUNT))), 4 * COUNT)
+@pytest.mark.parametrize("drawn", [driven_joint, real_march])
+def test_the_solvers_agree_on_the_first_contacts_of_many_joints(drawn: Drawn) -> None:
+    check(list(in_processes(partial(compared, drawn), range(COUNT))), 4 * COUNT)

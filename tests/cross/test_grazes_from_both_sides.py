@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import pytest
 from amplitude_ranges import from_below
+from few_and_many import few_and_many
 from population import joint
 
 import analytic
@@ -42,16 +43,9 @@ def is_near(one: SequenceChange, other: SequenceChange) -> bool:
     return abs(one.value - other.value) <= LOCATED * abs(other.value)
 
 
+@pytest.mark.parametrize("indices", few_and_many(FEW, MANY))
 @pytest.mark.parametrize("name", SOLVERS)
-def test_a_graze_has_one_value_from_both_sides(name: str) -> None:
-    found, total = from_beyond(SOLVERS[name], FEW)
-    assert total >= len(FEW)
-    assert found >= FOUND * total
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SOLVERS)
-def test_grazes_of_many_joints_have_one_value_from_both_sides(name: str) -> None:
-    found, total = from_beyond(SOLVERS[name], MANY)
-    assert total >= len(MANY)
+def test_a_graze_has_one_value_from_both_sides(name: str, indices: range) -> None:
+    found, total = from_beyond(SOLVERS[name], indices)
+    assert total >= len(indices)
     assert found >= FOUND * total

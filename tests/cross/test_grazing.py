@@ -1,4 +1,4 @@
-"""Where a motion first grazes; and how far a light touch moves the period map, against how deep it is.
+"""How far a light touch moves the period map, against how deep it is.
 
 The penetration p lasts for a time of order p^1/2.  A stop's force, of order p, then moves the map by p^3/2.  Modal
 damping differs from state to state, so its forces jump when a stop closes: they move the map by p^1/2.
@@ -11,7 +11,6 @@ import math
 import numpy as np
 import pytest
 from beams import CLAMP, UNIT
-from closed_form import answer
 from scipy.optimize import minimize_scalar
 
 import analytic
@@ -67,14 +66,3 @@ def test_a_light_touch_moves_the_period_map_by_the_power_that_its_damping_has(so
     found = departures(SOLVERS[solver], kind)
     powers = np.diff(np.log(found)) / np.diff(np.log(DEPTHS))
     assert powers == pytest.approx(exponent, abs=0.05)
-
-
-@pytest.mark.parametrize("damping", ["viscous", "modal"])
-def test_the_gap_that_a_motion_just_reaches_is_that_of_the_closed_form(damping: str) -> None:
-    """Its amplitude at the stop: proportional to that of the base, so that it says which base first closes a gap."""
-    problem = cantilever(DAMPINGS[damping][0], FAR)
-    history = analytic.Solver(n_modes=20).steady_state(problem, errors=False).history
-    t = np.array([history.start, history.start + math.pi / (2 * OMEGA)])
-    exact = answer(problem, np.array([PLACE]), t)
-    found = history.displacement(PLACE, t)
-    assert np.hypot(*found[0]) == pytest.approx(np.hypot(*exact[0]), rel=1e-10)

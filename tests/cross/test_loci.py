@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from closed_form import answer
+from closed_form import reached
 from population import joint
 
 from lapjoint import FREQUENCY, Axis, BaseMotion, Problem, branch
@@ -21,16 +21,6 @@ SOLVERS: dict[str, dict[str, int]] = {"analytic": {"n_modes": 20}, "fe": {"eleme
 LOCATED = 3e-8
 """Relative: grazes are located to 1e-9 in number and motion, and both sums leave out modes, of lightly damped joints
 some 1e-8 of the motion."""
-
-
-def reached(problem: Problem, omega: float) -> FloatArray:
-    """The amplitude of the base at which each stop is first reached without contact, m: gap over |H|."""
-    base = problem.base_motion
-    assert isinstance(base, BaseMotion)
-    unit = problem.replace(base_motion=base.model_copy(update={"angular_frequency": omega, "amplitude": 1.0}))
-    x = np.array(sorted({stop.x for stop in problem.stops}))
-    response = np.hypot(*answer(unit, x, np.array([0.0, np.pi / 2 / omega])).T)
-    return np.array([stop.gap / response[np.searchsorted(x, stop.x)] for stop in problem.stops])
 
 
 def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatArray]:
@@ -48,8 +38,17 @@ def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatA
     return found, omega, exact
 
 
-def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
-    found, omega, exact = locus(problem, solver)
+@pytest.mark.parametrize(
+    ("seed", "index"),
+    [
+        (2, 3),
+        pytest.param(1, 9, marks=pytest.mark.thorough),
+        *(pytest.param(2, i, marks=pytest.mark.slow) for i in range(1, 41, 2)),
+    ],
+)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, seed: int, index: int) -> None:
+    found, omega, exact = locus(joint(seed, index), solver)
     first = np.flatnonzero(found.bifurcation_first.values & (found.bifurcation_after.values != "ends"))  # others spring
     assert {KINDS[kind] for kind in found.bifurcation_kind.values[first]} == {"grazing"}
     np.testing.assert_array_equal(found.bifurcation_also_over.values[first], omega)
@@ -59,19 +58,6 @@ def assert_is_that_of_the_closed_form(problem: Problem, solver: str) -> None:
         assert allowed <= 2e-3 * row.min()
         assert float(found.bifurcation_value[j]) == pytest.approx(row.min(), rel=0, abs=allowed)
         assert row[int(found.bifurcation_stop[j])] == pytest.approx(row.min(), rel=1e-12)
-
-
-@pytest.mark.parametrize("which", [pytest.param((1, 9), marks=pytest.mark.thorough), (2, 3)])
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, which: tuple[int, int]) -> None:
-    assert_is_that_of_the_closed_form(joint(*which), solver)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("index", range(1, 41, 2))
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_the_locus_of_the_first_graze_of_many_joints_is_that_of_the_closed_form(solver: str, index: int) -> None:
-    assert_is_that_of_the_closed_form(joint(2, index), solver)
 
 
 def labels_of(found: xr.Dataset) -> list[tuple[Any, ...]]:

@@ -10,6 +10,8 @@ solvers march.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import bilinear_bars
 import numpy as np
@@ -180,21 +182,6 @@ def on_torus(bar: ContactBar) -> bool:
     return True
 
 
-def check_symmetry(seed: int) -> None:
-    """All of it for one bar between two stops."""
-    bar = draw(seed, SYMMETRY)
-    of, found = traced(bar)
-    check_beside(bar, found)
-    check_broken(bar, of, found)
-
-
-def check_torus(seed: int) -> bool:
-    """All of it for one bar on springs; whether a torus is born on the unstable side."""
-    bar = draw(seed, TORUS)
-    check_beside(bar, traced(bar)[1])
-    return on_torus(bar)
-
-
 def settled(of: ParameterRange, value: float, start: SectionPoint) -> SectionPoint:
     """Where a march from a section point ends."""
     map_ = of.resolution(value).map(value)
@@ -253,31 +240,27 @@ def test_a_branch_that_is_come_upon_from_afar_is_the_one_that_springs(number: in
     assert sorted(symmetric) == [False, True]
 
 
-def test_a_march_beside_the_breaking_of_a_symmetry_does_what_the_branch_says() -> None:
-    check_symmetry(1)
+def some_more_and_many(some: tuple[int, ...], more: tuple[int, ...]) -> list[Any]:
+    """Seeds of bars for every run, for CI, and for slow runs."""
+    of_ci, of_slow_runs = pytest.param(more, marks=pytest.mark.thorough), range(COUNT)
+    return [some, of_ci, pytest.param(of_slow_runs, marks=pytest.mark.slow)]
 
 
-def test_a_march_beside_a_neimark_sacker_does_what_the_branch_says() -> None:
-    assert check_torus(5)
+@pytest.mark.parametrize("seeds", some_more_and_many((1,), (0, 4, 6, 7)))
+def test_marches_beside_the_breaking_of_symmetries_do_what_the_branches_say(seeds: Sequence[int]) -> None:
+    for seed in seeds:
+        bar = draw(seed, SYMMETRY)
+        of, found = traced(bar)
+        check_beside(bar, found)
+        check_broken(bar, of, found)
 
 
-@pytest.mark.thorough
-def test_marches_beside_the_breaking_of_symmetries_do_what_the_branches_say() -> None:
-    for seed in (0, 4, 6, 7):
-        check_symmetry(seed)
-
-
-@pytest.mark.thorough
-def test_marches_beside_neimark_sackers_do_what_the_branches_say() -> None:
-    assert sum(check_torus(seed) for seed in (3, 7, 8)) >= 2
-
-
-@pytest.mark.slow
-def test_marches_beside_the_breaking_of_many_symmetries_do_what_the_branches_say() -> None:
-    for seed in range(COUNT):
-        check_symmetry(seed)
-
-
-@pytest.mark.slow
-def test_marches_beside_many_neimark_sackers_do_what_the_branches_say() -> None:
-    assert sum(check_torus(seed) for seed in range(COUNT)) >= COUNT // 2
+@pytest.mark.parametrize("seeds", some_more_and_many((5,), (3, 7, 8)))
+def test_marches_beside_neimark_sackers_do_what_the_branches_say(seeds: Sequence[int]) -> None:
+    """On the unstable side of half of them, at least, a torus is born."""
+    tori = 0
+    for seed in seeds:
+        bar = draw(seed, TORUS)
+        check_beside(bar, traced(bar)[1])
+        tori += on_torus(bar)
+    assert tori >= len(seeds) / 2

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import pytest
+from few_and_many import in_processes
 from population import harmonic_joint, joint, response_of
+from real_joints import real_joint
 from refining import AnySolver
 from witness import Judgement, reached_from_rest, testify
 
@@ -24,7 +24,9 @@ FINITE_ELEMENTS = fe_lapjoint.Solver(elements=8)  # a coarse beam is a beam, too
 COUNT, SEED = 600, 31415  # problems that decide; nothing was ever chosen by how this seed goes
 QUICK_SEED, QUICK = 2, (6, 11, 27, 28, 33, 43)  # free vibration dies away soon in these
 QUICK_HARMONICS = (5, 11, 27, 43)  # of the same seed, driven by harmonics, and so in these
+QUICK_REAL = (3, 7, 11, 35)  # of the same seed, with masses, steps, static loads, preload, stops in space
 HARMONICS = 120  # problems driven by harmonics
+REAL = 200  # with masses, steps, static loads, preload, stops in space
 MOST_UNDECIDED = 0.05
 MOST_ELSEWHERE = 0.02
 
@@ -61,6 +63,11 @@ def test_no_certificate_of_a_few_random_joints_is_false(solver: AnySolver) -> No
     check(judged(solver, joint, QUICK_SEED, i) for i in QUICK[:: 1 + (solver is FINITE_ELEMENTS)])
 
 
+@pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
+def test_no_certificate_of_a_few_real_joints_is_false(solver: AnySolver) -> None:
+    check(judged(solver, real_joint, QUICK_SEED, i) for i in QUICK_REAL[:: 1 + (solver is FINITE_ELEMENTS)])
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: AnySolver) -> None:
@@ -69,7 +76,6 @@ def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
-@pytest.mark.parametrize(("drawn", "count"), [(joint, COUNT), (harmonic_joint, HARMONICS)])
+@pytest.mark.parametrize(("drawn", "count"), [(joint, COUNT), (harmonic_joint, HARMONICS), (real_joint, REAL)])
 def test_no_certificate_of_random_joints_is_false(solver: AnySolver, drawn: Drawn, count: int) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check([task.result() for task in [pool.submit(judged, solver, drawn, SEED, i) for i in range(count)]])
+    check(in_processes(partial(judged, solver, drawn, SEED), range(count)))

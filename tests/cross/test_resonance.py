@@ -70,22 +70,12 @@ def far_off(index: int, solver: analytic.Solver | fe_lapjoint.Solver, modes: int
     return float(np.abs(motion.displacement(1.0, times)[0] - right).max() / np.abs(right).max())
 
 
-def assert_near(index: int) -> None:
+@pytest.mark.parametrize("index", [*FEW, *(pytest.param(i, marks=pytest.mark.slow) for i in MANY)])
+def test_motions_near_resonance_grow_as_the_closed_form_says(index: int) -> None:
     """Sixteen periods are 100 rad: frequencies off by 2e-8, truncation and mesh make some 1e-6 of the motion each."""
     assert far_off(index, analytic.Solver(n_modes=20), 3) < 5e-6
     if index % 4 == 0:  # by the base alone: two loads that nearly cancel leave the error of the mesh
         assert far_off(index, fe_lapjoint.Solver(elements=40), 1) < 5e-6
-
-
-@pytest.mark.parametrize("index", FEW)
-def test_motions_near_resonance_grow_as_the_closed_form_says(index: int) -> None:
-    assert_near(index)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("index", MANY)
-def test_more_motions_near_resonance_grow_as_the_closed_form_says(index: int) -> None:
-    assert_near(index)
 
 
 def contact_errors(index: int, solver: analytic.Solver | fe_lapjoint.Solver) -> tuple[float, float] | None:
@@ -112,15 +102,11 @@ def contact_errors(index: int, solver: analytic.Solver | fe_lapjoint.Solver) -> 
     return abs(first.start - right), first.start_error
 
 
-def assert_stated(index: int) -> None:
+@pytest.mark.parametrize("index", range(2))
+def test_contacts_near_resonance_start_within_their_stated_errors(index: int) -> None:
     for solver in (analytic.Solver(n_modes=24), fe_lapjoint.Solver(elements=8)):
         found = contact_errors(index, solver)
         assert found is None or found[0] <= found[1]
-
-
-@pytest.mark.parametrize("index", range(2))
-def test_contacts_near_resonance_start_within_their_stated_errors(index: int) -> None:
-    assert_stated(index)
 
 
 @pytest.mark.slow

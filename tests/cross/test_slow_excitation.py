@@ -38,7 +38,8 @@ def slow_joint(seed: int) -> tuple[Problem, bool]:
     return problem, reaches
 
 
-def check(seed: int) -> None:
+@pytest.mark.parametrize("seed", [*range(20), *(pytest.param(i, marks=pytest.mark.slow) for i in range(20, 200))])
+def test_a_joint_that_is_slowly_shaken_has_a_steady_state(seed: int) -> None:
     problem, reaches = slow_joint(seed)
     found = {name: solver.steady_state(problem, errors=False) for name, solver in SOLVERS.items()}
     for name, steady in found.items():
@@ -51,17 +52,6 @@ def check(seed: int) -> None:
             still = 5 / 384 * 1e-3 * problem.base_motion.angular_frequency**2
             assert np.abs(z).max() == pytest.approx(still, rel=0.15)
     np.testing.assert_allclose(found["fe"].impulses, found["analytic"].impulses, rtol=0.05, atol=1e-30)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_a_joint_that_is_slowly_shaken_has_a_steady_state(seed: int) -> None:
-    check(seed)
-
-
-@pytest.mark.slow
-def test_many_joints_that_are_slowly_shaken_have_one() -> None:
-    for seed in range(20, 200):
-        check(seed)
 
 
 @pytest.mark.parametrize("name", SOLVERS)

@@ -6,23 +6,19 @@ the same to less than half of the stated error, and is then off by what both of 
 
 from __future__ import annotations
 
-import math
-import multiprocessing
-import os
 from collections import defaultdict
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
 
 import numpy as np
 import pytest
+from few_and_many import few_and_many, in_processes
 from population import lasting_joint, stiffened_joint
 from refining import doubled, refined, touches
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, Problem, StepLoad, Stop, Support
-from lapjoint.problem import FloatArray, ViscousDamping
+from lapjoint.problem import FloatArray
 from lapjoint.summaries import of_orbit, summarise
 from lapjoint.summaries.of_orbit import OF_STOPS, OrbitSummary
 from lapjoint.summaries.quantities import IndexArray
@@ -92,13 +88,6 @@ def check(numbers: dict[tuple[str, str], FloatArray], covered: float = COVERED) 
     assert all(share >= covered for share in held.values()), held
 
 
-def coarsely(indices: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> dict[tuple[str, str], FloatArray]:
-    """The same kind in a fraction of the time: few modes, few elements, and no more samples than those take."""
-    monkeypatch.setattr(of_orbit, "MOST", 4096)
-    few = analytic.Solver(n_modes=12, max_periods=100), fe_lapjoint.Solver(elements=10, max_periods=100)
-    return gathered([judged(index, *few) for index in indices])
-
-
 def pooled(numbers: dict[tuple[str, str], FloatArray]) -> dict[tuple[str, str], FloatArray]:
     """All columns of a solver together, where a column has too few numbers for a share."""
     return {
@@ -107,61 +96,23 @@ def pooled(numbers: dict[tuple[str, str], FloatArray]) -> dict[tuple[str, str], 
     }
 
 
-def test_errors_of_a_few_summaries_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    check(pooled(coarsely(QUICK[:2], monkeypatch)))
-
-
-@pytest.mark.thorough
-def test_errors_of_twenty_summaries_hold(monkeypatch: pytest.MonkeyPatch) -> None:
-    check(pooled(coarsely(QUICK, monkeypatch)))
+@pytest.mark.parametrize("indices", few_and_many(QUICK[:2], QUICK, pytest.mark.thorough))
+def test_errors_of_a_few_summaries_hold(indices: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of few modes and elements, with no more samples than those take: in a fraction of the time."""
+    monkeypatch.setattr(of_orbit, "MOST", 4096)
+    few = analytic.Solver(n_modes=12, max_periods=100), fe_lapjoint.Solver(elements=10, max_periods=100)
+    check(pooled(gathered([judged(index, *few) for index in indices])))
 
 
 @pytest.mark.slow
 def test_errors_of_summaries_hold() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        results = pool.map(judged, range(DRAWN))
-        found = list(islice((one for one in results if one is not None), COUNT))
-        pool.shutdown(cancel_futures=True)
+    found = list(islice((one for one in in_processes(judged, range(DRAWN)) if one is not None), COUNT))
     assert len(found) == COUNT
     check(gathered(found))
 
 
-LASTING = (
-    Problem(  # the light damping of all modes alike lets the highest ones of a mesh ring, each in a phase of its own
-        beam=Beam(length=5.013223397453372, bending_stiffness=3433.9831848827735, mass_per_length=183.2761195744498),
-        supports=tuple(Support(x=x, translational=math.inf, torsional=0.0) for x in (0.0, 5.013223397453372)),
-        stops=(
-            Stop(x=2.682617884606476, side="top", gap=0.0003301859083447867, stiffness=98.86479907395317),
-            Stop(x=4.654633885014073, side="bottom", gap=7.749904113594693e-05, stiffness=2132617.046008351),
-            Stop(x=0.2202286327181178, side="top", gap=6.398344424711577e-05, stiffness=674.1419804460246),
-            Stop(x=0.5415587333171205, side="top", gap=8.754357033492639e-05, stiffness=830.9480244216676),
-        ),
-        damping=ViscousDamping(coefficient=2.9020309455325974),
-        base_motion=BaseMotion(
-            amplitude=0.000186608625105373, angular_frequency=1.2298144842264618, phase=-0.17321161269406016
-        ),
-        point_loads=(StepLoad(x=4.191810647326898, force=0.3839259766286319),),
-    )
-)
-
-
-@pytest.mark.thorough
-def test_errors_hold_where_light_damping_lets_high_modes_ring() -> None:
-    truth = summarise(analytic.Solver().steady_state(LASTING, sensitivity=False))
-    own = summarise(fe_lapjoint.Solver().steady_state(LASTING, sensitivity=False))
-    assert own.errors is not None
-    assert truth.errors is not None
-    for name, error in own.errors.items():
-        at = printed(own, name)
-        apart = np.abs(own.values[name] - truth.values[name])[at]
-        assert np.all(apart <= error[at] + truth.errors[name][at]), name
-    assert own.values["velocity_peak"][printed(own, "velocity_peak")] == pytest.approx(
-        truth.values["velocity_peak"][printed(own, "velocity_peak")], rel=1e-3
-    )
-
-
 def test_errors_hold_where_samples_are_too_few_for_the_fastest_mode(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = analytic.Solver(n_modes=40).steady_state(LASTING, sensitivity=False)
+    found = analytic.Solver(n_modes=40).steady_state(lasting_joint(SEED, 1), sensitivity=False)
     exact = summarise(found, quantities=["velocity"]).values["velocity_rms"]  # 17 000 samples follow that mode
     monkeypatch.setattr(of_orbit, "MOST", 1024)
     few = summarise(found, quantities=["velocity"])

@@ -9,13 +9,6 @@ from contextlib import contextmanager
 from threading import Barrier
 from typing import TypeVar
 
-from analytic import mode_count
-from analytic.march import known_states, modal_state, tables
-from analytic.modes import normal_modes
-from analytic.published import joint as published
-from fe_lapjoint.modes.assembly import unit_element
-from fe_lapjoint.modes.eigenmodes import _eigenmodes
-
 T = TypeVar("T")
 
 OFTEN = 1e-6
@@ -23,12 +16,11 @@ OFTEN = 1e-6
 
 
 def forget() -> None:
-    """What a fresh process does not know, of either solver."""
-    ours = (modal_state._loaded_structure, modal_state._modal_state, modal_state.passage, modal_state._products)
-    ours += (tables.flat_state, tables.unit_tables, known_states.memory_of, published._products)
-    ours += (normal_modes._exact_modes, mode_count._modal_sums)
-    for known in (*ours, _eigenmodes, unit_element):
-        known.cache_clear()
+    """Empty every cache of both solvers, so that they know what a fresh process knows."""
+    modules = [it for name, it in sys.modules.items() if name.partition(".")[0] in ("analytic", "fe_lapjoint")]
+    for kept in [value for module in modules for value in vars(module).values()]:
+        if hasattr(kept, "cache_clear"):
+            kept.cache_clear()
 
 
 @contextmanager

@@ -6,7 +6,7 @@ import numpy as np
 from population import BASE, BEAM, response_of
 
 from lapjoint import BaseMotion, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits.branches.resolution import ParameterRange
 from lapjoint.orbits.branches.starts import without_contact
 from lapjoint.orbits.branches.tracing import Limits, Traced, trace
@@ -33,17 +33,6 @@ def first_graze(problem: Problem) -> float:
     response = np.abs(response_of(problem).amplitude(problem.excitation_frequency)) / BASE
     x = np.linspace(0.0, problem.beam.length, response.size)
     return min(stop.gap / float(np.interp(stop.x, x, response)) for stop in problem.stops)
-
-
-def clamped_response(coefficient: float, omega: float, x: float) -> float:
-    """Amplitude at x over that of the base, |H|, of a viscously damped cantilever, EI = m = L = 1, by closed form."""
-    # z = P + sum c_i e^(b_i x) with z'''' = b^4 z + P b^4, and z = z' = 0 at 0, z'' = z''' = 0 at 1.
-    fourth = omega**2 - 1j * coefficient * omega
-    b = fourth**0.25 * 1j ** np.arange(4)
-    rows = np.array([np.ones(4), b, b**2 * np.exp(b), b**3 * np.exp(b)])
-    part = -(omega**2) / fourth
-    c = np.linalg.solve(rows, np.array([-part, 0, 0, 0]))
-    return float(abs(part + c @ np.exp(b * x)))
 
 
 def range_of(problem: Problem, solver: object, low: float, high: float) -> ParameterRange:

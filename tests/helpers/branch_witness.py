@@ -25,8 +25,8 @@ import analytic
 import fe_lapjoint
 from fe_lapjoint.march.field import ElementField
 from lapjoint import History, Problem, SteadyState
-from lapjoint.campaigns import Axis, Grid
 from lapjoint.campaigns.branches.solve import steady_state
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.orbits.branches.bifurcations import Bifurcation, beside
 from lapjoint.orbits.branches.errors import value_of
 from lapjoint.orbits.branches.point import SAME, CurvePoint

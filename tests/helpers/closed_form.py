@@ -11,7 +11,7 @@ import mpmath as mp
 import numpy as np
 
 import analytic
-from lapjoint import FREE, ModalDamping, Problem
+from lapjoint import FREE, BaseMotion, ModalDamping, Problem
 from lapjoint.problem import FloatArray, ViscousDamping
 from lapjoint.problem.forces import HarmonicForce
 
@@ -27,6 +27,16 @@ def answer(problem: Problem, x: FloatArray, t: FloatArray) -> FloatArray:
         wave = np.exp(1j * (force.angular_frequency * t + force.phase))
         total += np.outer(amplitude(problem, force, x), wave).imag
     return total
+
+
+def reached(problem: Problem, omega: float) -> FloatArray:
+    """The amplitude of the base at which each stop is first reached without contact, m: gap over |H|."""
+    base = problem.base_motion
+    assert isinstance(base, BaseMotion)
+    unit = problem.replace(base_motion=base.model_copy(update={"angular_frequency": omega, "amplitude": 1.0}))
+    x = np.array(sorted({stop.x for stop in problem.stops}))
+    response = np.hypot(*answer(unit, x, np.array([0.0, np.pi / 2 / omega])).T)
+    return np.array([stop.gap / response[np.searchsorted(x, stop.x)] for stop in problem.stops])
 
 
 def _by_mode(problem: Problem, force: HarmonicForce, x: FloatArray) -> np.ndarray:

@@ -27,6 +27,7 @@ class MeshForWitness:
         self.model, self.problem = model, model.problem
         self.harmonics = SimpleNamespace(omega=system.driven, theta=lambda t: system.driven * t + system.phase)
         self.sizes = np.ones(1 + system.driven.size)
+        self.loaded = SimpleNamespace(positions=[None] * system.driven.size)
 
     def modal(self, state: ContactState) -> SimpleNamespace:
         """The modes of a set of closed stops, and the loads on them."""
@@ -35,7 +36,7 @@ class MeshForWitness:
             size=n,
             at_stops=system.stops,
             force=np.concatenate([system.constant[None], system.harmonic.T]),
-            residual_at_stops=np.zeros((self.sizes.size, len(self.problem.stops))),
+            residual_at_stops=np.concatenate([np.zeros((1, system.place_of.size)), system.seen[system.place_of].T]),
             modes=SimpleNamespace(omega=system.omega),
             damping_rate=system.damping_rate,
         )

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from analytic.march.joint import Joint
+from analytic.march.loads import MOVED_STOPS
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
 
@@ -50,6 +51,7 @@ def random_damped_joint(rng: np.random.Generator) -> Problem:
                 "side": str(rng.choice(["top", "bottom"])),
                 "gap": float(rng.uniform(0.005, 0.05)),
                 "may_pull": bool(rng.random() < 0.3),
+                "fixed_to": "space" if rng.random() < 0.2 else "base",
             }
         )
     modal = {"kind": "modal", "ratio": float(rng.uniform(0, 0.1))}
@@ -83,7 +85,9 @@ class _State:
         modal = joint.modal(ContactState(state.closed))
         self._joint, self._stops, self.n = joint, stops, modal.size
         self._phi, self._load = modal.at_stops, modal.force * joint.sizes[:, None]
-        self._left_out = modal.residual_at_stops * joint.sizes[:, None]
+        moved = [False, *(shape == MOVED_STOPS for shape in joint.loaded.positions)]
+        seen = np.outer(moved, [stop.in_space for stop in stops])
+        self._left_out = (modal.residual_at_stops + seen) * joint.sizes[:, None]
         self._k, self._c = (np.array([getattr(stop, name) for stop in stops]) for name in ("stiffness", "damping"))
         self._sign, self._gap = (np.array([getattr(stop, name) for stop in stops]) for name in ("sign", "gap"))
         self._closed = np.array([i in state for i in range(len(stops))])

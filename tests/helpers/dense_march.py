@@ -1,9 +1,9 @@
 """A motion marched again in tiny steps by matrix exponentials, which knows nothing of closed forms, bounds or searches.
 
-It takes finite elements from a section point over some periods of harmonic loads.  What drives the motion is a further
-unknown, so that the motion of a contact state is z' = M z, and each step multiplies by exp(M dt).  In every step the
-gap functions and their rates are looked at, and where one rises through 0, or turns just below it, exponentials to the
-times that a bracketing search asks for say when.
+It takes finite elements from a section point over some periods of harmonic loads, or along sampled forces from knot to
+knot.  What drives the motion is a further unknown, so that the motion of a contact state is z' = M z, and each step
+multiplies by exp(M dt).  In every step the gap functions and their rates are looked at, and where one rises through 0,
+or turns just below it, exponentials to the times that a bracketing search asks for say when.
 
 All modes are marched, and the steps are such that those which move a stop are seen to: a sliver of an element may have
 modes a hundred thousand times as fast as the rest, with 1e-20 of the motion.
@@ -24,9 +24,9 @@ from fe_lapjoint.march.system import System
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
-STEPS = 40  # in the shortest period or time constant of the state, and of the loads
+STEPS = 40  # in the shortest period or time constant of the state, and of the loads, and between two knots
 _CHUNK = 2000  # steps that are looked at together
-_STILL = 1e-9  # of the largest displacement of a stop: modes that move none by more in all leave it where it is
+STILL = 1e-9  # of the largest displacement of a stop: modes that move none by more in all leave it where it is
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,20 @@ class Passed:
     """Modal displacements and velocities of that state at the end, shape ``(2 n,)``."""
 
 
-def dense_march(model: Model, state: ContactState, y: FloatArray, period: float, periods: int) -> Passed:
-    """March from (q, q') in the modes of a contact state, ``(2 n,)``, over `periods` periods of the loads, s."""
+def dense_march(
+    model: Model, state: ContactState, y: FloatArray, period: float, periods: int = 1, most: float = math.inf
+) -> Passed:
+    """March from (q, q') in the modes of a contact state, ``(2 n,)``, over `periods` periods of the loads, s.
+
+    The march ends at the switch with the number `most`, too.
+    """
     switches: list[tuple[int, float]] = []
+    ramps = model.problem.forces.ramps
     for n in range(periods):
         t, last = 0.0, -1
-        while t < period:
-            y, t, last = _Stretch(model, state, y, t, last).until(period)
+        while t < period and len(switches) < most:
+            end = period if ramps is None else min(period, ramps.until(t))
+            y, t, last = _Stretch(model, state, y, t, last).until(end)
             if last >= 0:
                 switches.append((last, n * period + t))
                 y = (y.reshape(2, -1) @ model.transfer(state, state.toggled(last)).T).ravel()
@@ -69,7 +76,7 @@ def fastest_moving(system: System, q: FloatArray, v: FloatArray, t: float) -> fl
     forced = system.constant[fast] / omega**2 + answer.imag.sum(axis=1)
     own = np.hypot(q[fast] - forced, (v[fast] - (1j * system.driven * answer).imag.sum(axis=1)) / omega)
     moved = np.abs(system.stops) * np.hypot(q, v / np.maximum(system.omega, driven))
-    least = _STILL * float(moved.sum(axis=1).max(initial=0.0))
+    least = STILL * float(moved.sum(axis=1).max(initial=0.0))
     order = np.argsort(-omega)  # from the fastest
     together = np.cumsum(np.abs(system.stops[:, fast[order]]) * own[order], axis=1).max(axis=0, initial=0.0)
     pace = np.hypot(omega, rate)[order]
@@ -83,10 +90,12 @@ class _Stretch:
     def __init__(self, model: Model, state: ContactState, y: FloatArray, t: float, last: int) -> None:
         system = model.system(state)
         self.n, self.t, self.last = system.omega.size, t, last
-        self.unit = np.maximum(system.omega, system.driven.max())  # of velocities: like entries round less
-        self.M, self.z = _matrix(system, self.unit, y, t)
+        slowest = system.driven.max() if system.driven.size else 1.0
+        self.unit = np.maximum(system.omega, slowest)  # of velocities: like entries round less
+        self.M, self.z = matrix(system, self.unit, y, t)
         q, v = np.split(y, 2)
-        self.fastest = fastest_moving(system, q, v, t)
+        every = float(np.hypot(system.omega, system.damping_rate).max())
+        self.fastest = fastest_moving(system, q, v, t) if system.ramps is None else every
         self.rows = np.zeros((2, model.sign.size, self.z.size))
         self.rows[0, :, : self.n] = model.orientation(state)[:, None] * system.stops
         self.rows[1, :, self.n : 2 * self.n] = self.rows[0, :, : self.n] * self.unit
@@ -148,17 +157,24 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(function, low, high, xtol=1e-16, rtol=1e-14))
 
 
-def _matrix(system: System, unit: FloatArray, y: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
-    """M, and z at a time: q and q' in units, 1, and sine and cosine of each load."""
+def matrix(system: System, unit: FloatArray, y: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
+    """M, and z at a time: q and q' in units, 1, sine and cosine of each load, and sampled forces and their slopes."""
     n, H = system.omega.size, system.driven.size
-    angle = system.driven * t + system.phase
-    M = np.zeros((2 * n + 1 + 2 * H, 2 * n + 1 + 2 * H))
+    angle, sampled = system.driven * t + system.phase, np.zeros((2, 0))
+    if system.ramps is not None:
+        sampled = np.array([part[0] for part in system.ramps.ramps.at(np.array([t]))])
+    forces, size = 2 * n + 1 + 2 * H, 2 * n + 1 + 2 * H + sampled.size
+    M = np.zeros((size, size))
+    if system.ramps is not None:
+        slopes = forces + sampled.shape[1]
+        M[n : 2 * n, forces:slopes] = system.ramps.shares / unit[:, None]
+        M[forces:slopes, slopes:] = np.eye(sampled.shape[1])
     M[:n, n : 2 * n] = np.diag(unit)
     M[n : 2 * n, :n] = -np.diag(system.omega**2 / unit)
     M[n : 2 * n, n : 2 * n] = -2 * np.diag(system.damping_rate)
     M[n : 2 * n, 2 * n] = system.constant / unit
     sine = 2 * n + 1
     M[n : 2 * n, sine : sine + H] = system.harmonic / unit[:, None]
-    M[sine : sine + H, sine + H :] = np.diag(system.driven)
-    M[sine + H :, sine : sine + H] = -np.diag(system.driven)
-    return M, np.concatenate([y[:n], y[n:] / unit, [1.0], np.sin(angle), np.cos(angle)])
+    M[sine : sine + H, sine + H : forces] = np.diag(system.driven)
+    M[sine + H : forces, sine : sine + H] = -np.diag(system.driven)
+    return M, np.concatenate([y[:n], y[n:] / unit, [1.0], np.sin(angle), np.cos(angle), sampled.ravel()])

@@ -14,12 +14,13 @@ are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives t
 `lasting_joint` viscous damping besides, `harmonic_joint` a base, and some of them a load, of several harmonics, of odd
 multiples only in every third; `stepped_joint` is at rest but for a step load;
 `recorded_joint` records of the base and of loads in place of the sine, `randomly_driven_joint` a random motion.
+Steps, masses, static loads, preload and stops fixed in space: `real_joints.real_joint`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +70,7 @@ class Response:
     ratios: FloatArray
     """Damping ratios, shape ``(modes,)``."""
     participation: FloatArray
-    """Integrals of the shapes over the mass, shape ``(modes,)``."""
+    """Integrals of the shapes over all mass, shape ``(modes,)``."""
 
     @property
     def decay_time(self) -> float:
@@ -84,7 +85,7 @@ class Response:
 
 
 def response_of(problem: Problem) -> Response:
-    """The modes of a beam of mass 1 without its stops, and their damping."""
+    """The modes of a beam of length 1 without its stops, and their damping."""
     modes = analytic.Solver().modes(problem.replace(stops=()), FREE, _MODES)
     omega, x = np.asarray(modes.angular_frequencies), np.linspace(0.0, 1.0, _POINTS)
     shapes = np.asarray(modes.shapes(x), dtype=float)
@@ -94,7 +95,11 @@ def response_of(problem: Problem) -> Response:
     else:
         assert isinstance(damping, ViscousDamping)
         ratios = damping.coefficient / (2 * omega)
-    return Response(omega, shapes, ratios, np.trapezoid(shapes, x, axis=1))
+    inertia = problem.structure.inertia
+    participation = np.trapezoid(problem.beam.inertia_at(x) * shapes, x, axis=1)
+    for place, mass in inertia.points:
+        participation = participation + mass * np.asarray(modes.shapes(np.array([place])), dtype=float)[:, 0]
+    return Response(omega, shapes, ratios, participation)
 
 
 def joints(seed: int, count: int) -> Iterator[Problem]:
@@ -253,14 +258,25 @@ def driven_joint(seed: int, index: int) -> tuple[Problem, float]:
     return (recorded_joint, randomly_driven_joint)[index % 3 - 1](seed, index)
 
 
-def random_cantilever(rng: np.random.Generator) -> Problem:
+def _as_it_is(problem: Problem) -> Problem:
+    """A uniform beam that carries nothing."""
+    return problem
+
+
+Dress = Callable[[Problem], Problem]
+"""What gives a uniform beam without loads its steps and masses."""
+
+
+def random_cantilever(rng: np.random.Generator, dress: Dress = _as_it_is) -> Problem:
     """A cantilever with one stop at its tip."""
-    bare = Problem(
-        title="cantilever",
-        beam=BEAM,
-        supports=(_FIXED,),
-        damping=ModalDamping(ratio=rng.uniform(0.005, 0.02)),
-        base_motion=None,
+    bare = dress(
+        Problem(
+            title="cantilever",
+            beam=BEAM,
+            supports=(_FIXED,),
+            damping=ModalDamping(ratio=rng.uniform(0.005, 0.02)),
+            base_motion=None,
+        )
     )
     response = response_of(bare)
     frequency = rng.uniform(1.3, 6.0) * float(response.omega[0])
@@ -269,11 +285,15 @@ def random_cantilever(rng: np.random.Generator) -> Problem:
     return bare.replace(base_motion=_base(frequency), stops=(stop,))
 
 
-def random_joint(rng: np.random.Generator) -> Problem:
-    """A joint with one to four stops anywhere."""
+def random_joint(rng: np.random.Generator, dress: Dress = _as_it_is) -> Problem:
+    """A joint with one to four stops anywhere; viscous damping that would couple its modes is a modal ratio instead."""
     supports, kind = _supports(rng)
-    undamped = Problem(title=kind, beam=BEAM, supports=supports, damping=ViscousDamping(coefficient=1.0))
-    bare = undamped.replace(damping=_damping(rng, float(response_of(undamped).omega[0])))
+    undamped = dress(Problem(title=kind, beam=BEAM, supports=supports, damping=ModalDamping(ratio=0.0)))
+    lowest = float(analytic.Solver().modes(undamped, FREE, 1).angular_frequencies[0])
+    damping = _damping(rng, lowest)
+    if isinstance(damping, ViscousDamping) and (undamped.masses or len(undamped.beam.pieces) > 1):
+        damping = ModalDamping(ratio=damping.coefficient / (2 * lowest))
+    bare = undamped.replace(damping=damping)
     response = response_of(bare)
     frequency = rng.uniform(0.5, 6.0) * float(response.omega[0])
     twins = rng.random() < 0.4

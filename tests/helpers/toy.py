@@ -330,6 +330,15 @@ class BarMap:
 
 
 @dataclass(frozen=True)
+class Unwilling(BarMap):
+    """A map that cannot be marched."""
+
+    def march(self, start: SectionPoint, half_periods: int) -> Passage:
+        """Give up."""
+        raise SolverError("stopped at t = 0 s")
+
+
+@dataclass(frozen=True)
 class Bar:
     """The solver of a rigid bar."""
 

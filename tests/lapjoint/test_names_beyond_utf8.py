@@ -11,10 +11,11 @@ from typing import Any
 
 import click
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
+from command_line import assert_refused, run
 
 from lapjoint import InputError, Problem, paper_joint, read_problem, write_problem
-from lapjoint.cli.main import Lapjoint, main
+from lapjoint.cli.main import Lapjoint
 from lapjoint.errors import OutputError
 from lapjoint.files.writing import write_file
 from lapjoint.problem import RecordLoad, SineLoad, Stop
@@ -39,22 +40,14 @@ def folder(tmp_path: Path) -> Path:
     return there
 
 
-def run(*arguments: object) -> Result:
-    result = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    assert isinstance(result.exception, SystemExit | None), result.exception
-    return result
-
-
 @pytest.mark.parametrize(
     "assignment",
     [f"title=a{BYTE}b", f"stops.0.name={BYTE}", f"point_loads.0.file={BYTE}.csv", f"point_loads.0.unit={BYTE}"],
 )
 def test_text_of_a_problem_is_refused(assignment: str, folder: Path) -> None:
-    result = run("modes", folder / "joint.toml", "--set", assignment)
-    assert result.exit_code == 2
-    assert result.stderr.count("\n") == 1
-    assert "\\udcff" in result.stderr
-    assert "must be text that UTF-8 can hold" in result.stderr
+    refused = run("modes", folder / "joint.toml", "--set", assignment)
+    assert_refused(refused, "must be text that UTF-8 can hold", lines=1)
+    assert "\\udcff" in refused.stderr
 
 
 @pytest.mark.parametrize(
@@ -74,11 +67,9 @@ def test_text_of_a_part_is_refused_in_python(part: Any, given: dict[str, Any]) -
 
 def test_a_file_that_is_not_there_is_told_whatever_its_folder_is_called(folder: Path) -> None:
     for path in (folder / "none.toml", folder / f"{BYTE}.toml"):
-        result = run("modes", path)
-        assert (result.exit_code, "cannot be read: No such file" in result.stderr) == (2, True)
+        assert_refused(run("modes", path), "cannot be read: No such file")
     (folder / "r.csv").unlink()
-    result = run("modes", folder / "joint.toml")
-    assert (result.exit_code, "cannot be read: No such file" in result.stderr) == (2, True)
+    assert_refused(run("modes", folder / "joint.toml"), "cannot be read: No such file")
 
 
 SHORT = ("--no-errors", "--modes", 2, "--duration", 0.02)
@@ -111,7 +102,7 @@ def test_files_in_such_a_folder_are_read_and_written(
 def test_vtk_cannot_write_there_and_that_is_said(folder: Path) -> None:
     options = ("--modes", 2, "--duration", 0.02, "--frames", 3)
     result = run("export", folder / "joint.toml", *options, "--out", folder / "motion")
-    assert result.exit_code == 3
+    assert (result.exit_code, type(result.exception)) == (3, SystemExit)
     assert "has characters that UTF-8 does not hold" in result.stderr.splitlines()[-1]
 
 

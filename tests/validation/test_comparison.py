@@ -18,7 +18,7 @@ from lapjoint import History, InputError, Problem, paper_joint, sdnl104
 from lapjoint.errors import OutputError
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import problem_tables_json
-from validation import invariants, suite
+from validation import suite
 from validation.cases.motions import refined_by
 from validation.invariants import continuity, energy_balance, gaps, stated_impulses, witness
 from validation.uncertainty import Refined, factor_of_safety, observed_order, refined_estimate, refined_vector
@@ -99,24 +99,6 @@ def broken(history: History, factor: float) -> History:
 def test_a_motion_that_gains_energy_is_caught() -> None:
     history = broken(analytic.Solver(n_modes=20).simulate(sdnl104(), 0.03), 1e-3)
     assert energy_balance(history, 2e-5).verdict is Verdict.DISAGREE
-
-
-def test_two_quadratures_that_agree_by_chance_are_not_believed(history: History) -> None:
-    """Of two waves that the first panels do not resolve, the sum on which the first two results are the same."""
-    breaks, first = np.array([history.start, history.end]), invariants._first_panel(history)
-
-    def wave(rate: float) -> tuple[float, float]:
-        """What the second result is off the first, and the integral."""
-        points = [invariants._panels(breaks, first, pieces) for pieces in (1, 2)]
-        one, other = (float(np.cos(rate * t) @ w) for t, w in points)
-        return other - one, math.sin(rate * history.end) / rate
-
-    (apart, exact), (apart_too, exact_too) = wave(700.0), wave(900.0)
-    share = -apart / apart_too
-    found = invariants._time_integral(
-        lambda t: np.cos(700.0 * t) + share * np.cos(900.0 * t), breaks, history, 1e-6, abs(share)
-    )
-    assert found == pytest.approx(exact + share * exact_too, abs=1e-7 * abs(share))
 
 
 def test_a_motion_that_ignores_its_stops_is_caught(motion: History) -> None:

@@ -23,12 +23,12 @@ JOINTS = {
     ),
 }
 STARTS = 12
-"""Motions of each joint by the analytic solver, from rest and from tips that move at first.  The scatter of their
-exponents is the uncertainty of one measurement: the standard error stated by one motion is half of that scatter at
-times, because intermittent chaos has few independent parts."""
+"""Number of motions of each joint by the analytic solver, from rest and with a moving tip at the start.  The scatter of
+their exponents is the uncertainty of one measurement; the stated standard error of one motion can be half of this
+scatter, because intermittent chaos has few independent parts."""
 SPEED = 1e-3  # Initial speed of the tip in the second motion, m/s; the k-th motion starts with k - 1 times as much
-FEWEST = 10  # Fewest certified motions from which an exponent is taken
-PROBABILITY = 0.99  # Probability with which the interval of an exponent holds it
+FEWEST = 10  # Least number of certified motions from which an exponent is taken
+PROBABILITY = 0.99  # Probability with which the interval of an exponent contains the exponent
 
 
 def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> SteadyState:
@@ -40,8 +40,8 @@ def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> St
 
 
 def exponents(several: Sequence[Exponent], single: Exponent) -> tuple[Estimate, Estimate]:
-    """Mean exponent of several motions that begin differently, and the exponent of one by another solver, both in 1/s,
-    with intervals from the scatter of the several."""
+    """Mean exponent of several motions with different starts, and the exponent of one motion by another solver, both in
+    1/s, with intervals from the scatter of the several exponents."""
     values = np.array([exponent.value for exponent in several])
     times = np.array([exponent.time for exponent in several])
     factor = float(student_t.ppf((1 + PROBABILITY) / 2, values.size - 1))
@@ -60,7 +60,7 @@ def exponents(several: Sequence[Exponent], single: Exponent) -> tuple[Estimate, 
 
 def run(level: Level, say: Say) -> CaseResult:
     """Both joints by both solvers."""
-    # With 8 elements the chaos of the second joint dies away after some thousand periods: another system.
+    # With 8 elements the chaos of the second joint ends after some thousand periods: the mesh is another system.
     elements = {"quick": 16, "standard": 16, "full": 32}[level]
     checks, criteria, rows = [], [], []
     with process_pool(2) as pool:

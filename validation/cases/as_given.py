@@ -1,7 +1,8 @@
-"""The ground: is a problem read as it is written, and are answers made of the right arithmetic?
+"""The shared package: is a problem read as it is written, and is the arithmetic of answers right?
 
-Both solvers share the problem and the form of an answer, so neither notices a mistake in these.  The references here
-are plain numbers: the values of the file by `tomllib`, the values of the paper's tables, and closed forms.
+Both solvers share the problem and the types of answers, so their comparison reveals no mistake in these.  The
+references here are plain numbers: the values of the file by `tomllib`, the values of the paper's tables, and closed
+forms.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from lapjoint import FREE, BaseMotion, ContactState, History, Problem, paper_joi
 from lapjoint.answers import Contact
 from lapjoint.answers.steady_state import chatters, impulses_per_period
 from lapjoint.orbits.exponent import exponent_of
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, PolynomialShape
 from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.override import override
@@ -36,7 +37,7 @@ from validation.references.reading import Printed, group
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 ROUNDING = 1e-14  # Relative rounding of a few operations
-PHASES = 1e-10  # Rounding of phases of some hundred turns, over the displacement at the start
+PHASES = 1e-10  # Rounding of phases of some hundred turns, divided by the displacement at the start
 SHORT_STRETCH = 1e-3  # Distance to another stop, m: so short that elements between the two need not be cut again
 STEP = 0.1  # Step of a range, m: rounding makes 25 of them more than 2.5 m
 EIGENVALUES = 1e-5  # Relative error of the first frequency with 16 elements
@@ -128,16 +129,16 @@ def leaves(tables: Any, path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def field(part: Any, path: str) -> Any:
-    """The value at a path of a problem."""
+    """The value at a path of a problem; ``from``, a word of Python, is called `start`."""
     for key in path.replace("[", ".").replace("]", "").split("."):
-        part = part[int(key)] if key.isdigit() else getattr(part, key)
+        part = part[int(key)] if key.isdigit() else getattr(part, "start" if key == "from" else key)
     return part
 
 
-def read_as_written(problem: Problem, how: str) -> Iterator[Check | Criterion]:
-    """Every value of `FILE` against the problem."""
+def read_as_written(problem: Problem, how: str, text: str = FILE) -> Iterator[Check | Criterion]:
+    """Every value of a file's text against the problem."""
     words = []
-    for path, value in leaves(tomllib.loads(FILE)):
+    for path, value in leaves(tomllib.loads(text)):
         found = field(problem, path)
         if isinstance(value, str) or math.isinf(value):
             words.append(found == value)
@@ -160,7 +161,7 @@ OVERRIDES = {
 
 
 def overridden() -> Iterator[Check | Criterion]:
-    """Single values set, and all others of `FILE` left alone."""
+    """Single values are set, and all other values of `FILE` are unchanged."""
     given = dict(leaves(tomllib.loads(FILE)))
     for assignment, (path, value) in OVERRIDES.items():
         tables = tomllib.loads(FILE)
@@ -178,15 +179,16 @@ def overridden() -> Iterator[Check | Criterion]:
 
 def meanings(problem: Problem) -> Iterator[Check]:
     """Quantities that the parts of `FILE` define, by arithmetic."""
-    x = np.array([0.3, 1.9])
+    x, initial = np.array([0.3, 1.9]), problem.initial
+    assert isinstance(initial, PolynomialShape)
     for i, at in enumerate(x):
         z = 1.9e-4 * at**2 - 3.1e-5 * at**3
         curvature = 2 * 1.9e-4 - 6 * 3.1e-5 * at
-        yield same(f"initial displacement at {at:g} m", problem.initial.displacement_at(x)[i], z, "m", ROUNDING)
+        yield same(f"initial displacement at {at:g} m", initial.displacement_at(x)[i], z, "m", ROUNDING)
         name = f"initial curvature at {at:g} m"
-        yield same(name, problem.initial.displacement_at(x, 2)[i], curvature, "1/m", ROUNDING)
+        yield same(name, initial.displacement_at(x, 2)[i], curvature, "1/m", ROUNDING)
         v = 0.07 * at + 0.011 * at**2
-        yield same(f"initial velocity at {at:g} m", problem.initial.velocity_at(x)[i], v, "m/s", ROUNDING)
+        yield same(f"initial velocity at {at:g} m", initial.velocity_at(x)[i], v, "m/s", ROUNDING)
     for i, ratio in enumerate((0.013, 0.027, 0.041, 0.041, 0.041)):
         found = problem.damping.ratios(5)[i]  # type: ignore[union-attr]
         yield same(f"damping ratio of mode {i + 1}", found, ratio, "1")
@@ -225,7 +227,7 @@ def presets() -> Iterator[Check]:
 
     def against(name: str, found: float, given: Printed, exact: bool = True) -> Check:
         reference = given.estimate()
-        # What a file of inputs prints is the number itself; a computed one is printed to its last digit.
+        # A printed input is exact; a printed result is exact to its last digit.
         u = 0.0 if exact else given.half_unit
         b = Estimate(reference.value, u, reference.how, reference.kind)
         return Check(f"preset: {name}", given.unit, Estimate(found, ROUNDING * abs(given.value), "the preset"), b)
@@ -316,12 +318,13 @@ BOUNCES: dict[str, tuple[bool, tuple[tuple[float, float], ...]]] = {
     "three, and a rest shorter than the contact before": (False, ((0, 2), (10, 12), (16, 18), (19, 20.5))),
     "three, and a rest shorter than the flight before": (False, ((0, 2), (10, 12), (17, 18), (21, 23))),
 }
-"""Start and end, ms, of the contacts of one stop in a period of 80 ms, and whether they chatter: three flights in a row
-are shorter each time, and then the stop is held for longer than the contact and the flight before."""
+"""Start and end, ms, of the contacts of one stop in a period of 80 ms, and whether they chatter: each of three
+successive flights is shorter than the previous one, and the next contact is longer than the contact and the flight
+before it."""
 
 
 def chatter(problem: Problem) -> Iterator[Check]:
-    """Which contacts of a period are chatter."""
+    """Whether the contacts of a period are chatter."""
     motion = written_down(problem)
     for what, (wanted, times) in BOUNCES.items():
         contacts = tuple(
@@ -335,8 +338,8 @@ def chatter(problem: Problem) -> Iterator[Check]:
 
 
 PAPER_STATES = {1: "", 2: "P2", 3: "P3", 4: "P4", 5: "P5", 6: "P2 P3", 7: "P2 P5", 8: "P3 P4", 9: "P4 P5"}
-"""The paper's Table 1: closed stops, tip (P2, P4) and mid-span (P3, P5), bottom before top; its Table 4 has 6 to 9 by
-the springs that act."""
+"""Closed stops of the paper's states, by its Table 1: tip (P2, P4) and mid-span (P3, P5), bottom before top; states 6
+to 9 are in the order of its Table 4."""
 
 
 def states() -> Iterator[Check]:
@@ -405,8 +408,8 @@ def propagator() -> Iterator[Check]:
 
 
 def meshes() -> Iterator[Check]:
-    """Number of elements in each stretch of a finer mesh, by which errors are judged; a short stretch stays as it
-    is."""
+    """Number of elements in each stretch of a finer mesh, by which errors are estimated; a short stretch is
+    unchanged."""
     joint = paper_joint()
     near = joint.stops[1].model_copy(update={"name": "near", "x": joint.stops[1].x + SHORT_STRETCH})
     problem = joint.replace(stops=(*joint.stops, near))
@@ -421,7 +424,7 @@ def meshes() -> Iterator[Check]:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """All comparisons of the ground with plain numbers."""
+    """All comparisons of the shared package with plain numbers."""
     say("file, presets, arithmetic")
     problem = from_toml(FILE)
     items = [

@@ -1,9 +1,10 @@
-"""Is the scheme as published marched, settled and measured as it says?
+"""Does the published scheme march, settle and measure as the paper says?
 
-The ledger of claims rests on this scheme, and no other solver has its frozen shape.  Four comparisons test it.  A
-nearly rigid bar, whose frozen shape is negligible, has a witness of numpy alone.  The rule for a settled motion is
-applied again to the recorded cycles.  A march from a section point must repeat the march from rest.  Losses at switches
-are integrated along the beam.
+The ledger of the paper's claims uses this scheme.  In the scheme, the part of the displacement that the modes of the
+next contact state cannot represent is frozen at each switch; no other solver has this.  Four comparisons test the
+scheme.  A nearly rigid bar, whose frozen part is negligible, has a witness of numpy alone.  The rule for a settled
+motion is applied again to the recorded cycles.  A march from a section point must repeat the march from rest.  Losses
+at switches are integrated along the beam.
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ SCHEME = PublishedScheme()
 FREQUENCIES = (400.0, 515.0, 1398.0)
 """Frequencies of the paper's joint, rad/s; at the first one the stop at mid-span settles last."""
 ONE_SIDED = 400.0  # Frequency, rad/s, at which the motion without the bottom stops repeats after five periods
-REPEATS = 20  # Repetitions of a settled motion: each repeats the one before, and the last repeats the first
+REPEATS = 20  # Number of repetitions of a settled motion: each repeats the previous one, and the last repeats the first
 ROUNDING = 1e-9  # Relative rounding of a march that starts anew at a section point, and of sums over cycles
 CONTACTS = 2  # Contacts of the bar that are compared
 SWITCHES = 12  # Switches whose losses are integrated along the beam
 SHORTLY = 1e-9  # Time before and after a switch at which velocities are evaluated, s
-INTEGRATED = 1e-5  # Error of the integrals by that time and by Gauss points, over the kinetic energy
+INTEGRATED = 1e-5  # Error of the integrals by `SHORTLY` and by Gauss points, divided by the kinetic energy
 
 
 def paper(omega: float, sides: tuple[str, ...] = ("top", "bottom")) -> Problem:
@@ -46,7 +47,7 @@ def paper(omega: float, sides: tuple[str, ...] = ("top", "bottom")) -> Problem:
 
 
 def rigid() -> Iterator[Check]:
-    """Contacts of a bar between two stops, taken to the rigid limit, against the witness."""
+    """Contacts of a bar between two stops, extrapolated to the rigid limit, against the witness."""
     it, levels = witnessed(MIRROR), []
     for factor in (1.0, RATIO):
         problem = from_toml(MIRROR.format(stiffness=repr(SOFT * factor)))
@@ -109,7 +110,7 @@ def first_settled(rows: FloatArray, stops: int, most: int) -> tuple[int, int]:
 
 
 def same(name: str, unit: str, found: float, reference: float, u: float, how: str) -> Check:
-    """A number of the scheme against its value from elsewhere."""
+    """A number of the scheme against an independent value."""
     return Check(name, unit, Estimate(found, u, SCHEME.name), Estimate(reference, 0.0, how, Kind.CROSS_METHOD))
 
 

@@ -59,12 +59,12 @@ kind = "polynomial"
 displacement = [1e-3, -2e-3, 1e-3]
 velocity = [0.03, -0.02]
 """
-DURATION = 0.4  # Length of the motion, s: contacts of all three stops lie in it
-TOLERANCE = 1e-4  # Relative error of quadrature, and of the modes that a state loses at a switch to the next
+DURATION = 0.4  # Length of the motion, s, in which all three stops have contacts
+TOLERANCE = 1e-4  # Relative error of quadrature, and of the truncation at switches
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """By both solvers."""
+    """The balances by both solvers."""
     problem, criteria = from_toml(JOINT), []
     for solver, label in ((analytic.Solver(n_modes=16), "analytic"), (fe_lapjoint.Solver(elements=8), "FE")):
         say(label)

@@ -23,7 +23,7 @@ class Piece:
     end: float
     """s."""
     area: float
-    """Time integral of x - gap over the contact, m s: the impulse over the stiffness."""
+    """Time integral of x - gap over the contact, m s: the impulse divided by the stiffness."""
     depth: float
     """Largest x - gap, m."""
 
@@ -54,7 +54,7 @@ class Bilinear:
     def contact(self) -> Piece:
         """One contact, from its start at 0: x - gap = c (1 - cos omega_2 t) + (v / omega_2) sin omega_2 t."""
         w, v = self.omega_2, self.impact_speed
-        c = -((self.omega_1 / w) ** 2) * self.gap  # the deflection at rest behind the gap, from the gap
+        c = -((self.omega_1 / w) ** 2) * self.gap  # distance of the equilibrium in contact from the gap
 
         def beyond(t: float) -> float:
             return c * (1 - math.cos(w * t)) + v / w * math.sin(w * t)
@@ -81,7 +81,7 @@ class Bilinear:
         return tuple(Piece(start, start + one.end, one.area, one.depth) for start in starts)
 
     def harmonic(self, n: int) -> float:
-        """Magnitude of the n-th Fourier coefficient of x over a period where the gap is zero, m (complex form)."""
+        """Magnitude of the n-th complex Fourier coefficient of x over a period, m; for a gap of zero."""
         assert self.gap == 0
         omega = 2 * math.pi / self.period
         in_contact = _half_sine(self.omega_2, n * omega)

@@ -1,9 +1,9 @@
 """Symmetry breaking and the birth of a torus: bars of one contact, whose motions have a closed form.
 
-A bar on a pin between two equal stops, and a bar on two springs beside one stop, are followed over the amplitude of the
-base at two bending stiffnesses.  The limit of rigid bars has its bifurcations where a multiplier of
-`validation.references.bilinear_map` leaves the unit circle.  The branch must be stable on one side of each bifurcation
-only.
+Branches of a bar on a pin between two equal stops, and of a bar on two springs beside one stop, are followed over the
+amplitude of the base, at two bending stiffnesses.  The bifurcations of a rigid bar are where a multiplier of
+`validation.references.bilinear_map` leaves the unit circle.  The branch must be stable on exactly one side of each
+bifurcation.
 """
 
 from __future__ import annotations
@@ -24,9 +24,11 @@ from validation.references.rigid_bar import RigidBar
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 STIFFNESS = 1e6  # Bending stiffness of the softer bar, N m2: bending displaces a bifurcation by 6e-5
-SPAN = 0.96, 1.04  # Range of the branch, over the amplitude at the bifurcation
+SPAN = 0.96, 1.04  # Range of the branch, divided by the amplitude at the bifurcation
 SOLVER = "analytic"
-AT = 1e-9  # Largest distance of the branch point from the bifurcation, where a multiplier is 1, over the amplitude
+AT = (
+    1e-9  # Largest distance of the branch point from the bifurcation, where a multiplier is 1, divided by the amplitude
+)
 _BEAM = """
 [beam]
 length = 1.5
@@ -131,7 +133,7 @@ def _over(birth: Birth, say: Say) -> Iterator[Check | Criterion]:
 
 
 def _beside(birth: Birth, data: xr.Dataset, found: Sequence[Found], where: str) -> Iterator[Criterion]:
-    """Points are stable below the bifurcation; where a symmetry breaks, a stable branch without it springs above."""
+    """Points are stable below the bifurcation; if a symmetry breaks there, a stable asymmetric branch begins above."""
     x, stable, first = (data[name].values for name in ("base_motion_amplitude", "stable", "branch"))
     mine = first == 0
     wrong = np.count_nonzero(stable[mine] != (x[mine] < found[0].value.value))

@@ -1,12 +1,12 @@
 """Ends of branches, and ranges without a branch: two joints like the paper's.
 
-The first joint has 0.09 of critical damping.  Its damping forces jump when a stop is left, and reverse the acceleration
-of the stop: a short flight would be on the wrong side of the stop, so the branch ends at that graze.  Both solvers must
-find the end at one frequency.
+The first joint has a damping ratio of 0.09.  Its damping forces jump when the beam leaves a stop, and reverse the
+acceleration at the stop.  A short flight would therefore be on the wrong side of the stop, and the branch ends at the
+graze.  Both solvers must find this end at the same frequency.
 
 The second joint has four fifths of the paper's gaps.  Contacts begin and end in close succession, and symmetries break
 between them.  A branch that turns back at one of these grazes never reaches the other end of the range.  Branches from
-both ends must therefore cover the range, and the rest must be reported.
+both ends must therefore cover the range, and parts that they do not cover must be reported.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from validation.case import Say
 from validation.verdict import Check, Criterion, Estimate
 
 RATIO, RANGE = 0.09, (4390.0, 4374.0)
-"""Damping over critical damping, and the range from the end at which the branch begins, rad/s."""
+"""Damping ratio, and the range, rad/s, from the end at which the branch begins."""
 OPTIONS: dict[str, dict[str, Any]] = {"analytic": {}, "fe": {"elements": 30}}  # Numerical options of each solver
-CLOSELY = 1e-5  # Largest stated error over the value: a larger error would hide any difference
-GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # Gaps over the gaps of the paper, and the range, rad/s
-SHARE = 1e-3  # Largest share of the range that may be left without a branch, and reported as such
-LEAST = 1e-9  # Least width over the range of a part that counts, as ends of branches are solved to 1e-9
+CLOSELY = 1e-5  # Largest stated error, divided by the value: a larger error would hide any difference
+GAPS, LIGHTLY = 0.8, (3.88, 3.92)  # Gaps, divided by the gaps of the paper, and the range, rad/s
+SHARE = 1e-3  # Largest fraction of the range that may be without a branch, if it is reported
+LEAST = 1e-9  # Least width of a part that counts, divided by the range; ends of branches are solved to 1e-9
 
 
 def damped() -> Problem:
@@ -70,7 +70,7 @@ def over_ends(say: Say) -> Iterator[Check | Criterion]:
 
 
 def _end(say: Say) -> Iterator[Check | Criterion]:
-    """The one graze at which a branch ends, by both solvers."""
+    """The graze at which a branch ends, by both solvers."""
     values = []
     for solver, options in OPTIONS.items():
         say(f"end of a branch, {solver}")

@@ -20,7 +20,7 @@ BARS: dict[str, tuple[dict[str, int], Any]] = {
     "fe": ({"elements": 1}, fe_lapjoint.Solver(elements=1)),
 }
 CLOSELY = {"analytic": 1e-6, "fe": 1e-3}
-"""Largest stated error over the value: a larger error would hide any difference."""
+"""Largest stated error, divided by the value: a larger error would hide any difference."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +32,13 @@ class Found:
     value: Estimate
     """Parameter at the bifurcation, with its error."""
     stop: int
-    """The stop that is grazed; -1 where none is."""
+    """The stop that is grazed; -1 if there is no graze."""
     after: str
     """Continuation of the branch at a graze."""
 
 
 def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
-    """Bifurcations of the first branch, in sequence along it."""
+    """Bifurcations of the first branch, in their order along it."""
     names = found["bifurcation_kind"].attrs["flag_meanings"].split()
     result = []
     for i in np.flatnonzero(found["bifurcation_branch"].values == 0).tolist():
@@ -52,14 +52,15 @@ def bifurcations(found: xr.Dataset, solver: str) -> list[Found]:
 
 
 def sure(label: str, solver: str, found: Sequence[Found]) -> Iterator[Criterion]:
-    """Stated errors of bifurcations: above zero, and no larger than the solver's resolution gives."""
+    """Stated errors of bifurcations: above zero, and at most `CLOSELY`."""
     for i, one in enumerate(found):
         error = one.value.uncertainty / one.value.value
         yield Criterion(f"{label} {i + 1}, error over value: {solver}", "1", error, 1e-16, CLOSELY[solver], "resolved")
 
 
 def to_rigid(soft: Estimate, stiff: Estimate, stiffness: float) -> Estimate:
-    """A number of the rigid bar from two beams, of bending stiffness `stiffness`, N m2, and `RATIO` times as stiff."""
+    """A number of the rigid bar, extrapolated from beams of bending stiffness `stiffness`, N m2, and `RATIO` times
+    that."""
     change = stiff.value - soft.value
     errors = stiff.uncertainty + (stiff.uncertainty + soft.uncertainty) / (RATIO - 1)
     how = f"beams {stiffness:g} and {RATIO * stiffness:g} N m2 stiff, taken to the limit"

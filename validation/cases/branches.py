@@ -1,10 +1,11 @@
 """Branches and basins: grazes, folds and flips by both solvers, against closed forms, other codes and plain marches.
 
-A cantilever that comes to its stop passes a graze, whose amplitude has a closed form, and two folds.  A bar against one
-stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  A bar that touches its stop once a
-period folds where the amplitude of the bilinear oscillator is extreme over the duration of its contact.  On either side
-of a fold or a flip, and from every start of a small basin, a plain march must end on the motion that the branch or the
-basin states.  `branch_births` has symmetry breaking and tori, `branch_ends` the ends of branches.
+The branch of a cantilever under a stop has a graze, whose amplitude has a closed form, and two folds.  A bar against
+one stop flips where the leading multiplier of a rigid bar, by numpy alone, passes -1.  A bar that touches its stop once
+a period has a fold where the amplitude of the bilinear oscillator, as a function of the duration of its contact, is
+extreme.  On either side of a fold or a flip, and from every start of a small basin, a plain march must end on the
+motion of the branch or of the basin.  `branch_births` has symmetry breaking and tori, `branch_ends` the ends of
+branches.
 """
 
 from __future__ import annotations
@@ -45,25 +46,28 @@ SOLVERS: dict[str, tuple[dict[str, int], Any]] = {
     "analytic": ({"n_modes": 8}, analytic.Solver(n_modes=8)),
     "fe": ({"elements": 4}, fe_lapjoint.Solver(elements=4)),
 }
-SEQUENCE = ("grazing", "fold", "fold")  # Bifurcations on the branch that begins without contact, in sequence
+SEQUENCE = ("grazing", "fold", "fold")  # Bifurcations on the branch that begins without contact, in order
 CLOSED = 1e-10
-"""Tolerance of the first graze over the amplitude: the motion is linear, and Newton's method reaches rounding."""
+"""Tolerance of the first graze, divided by the amplitude: the motion is linear, and Newton's method is exact to
+rounding."""
 BESIDE = 4e-3
-"""Distance of marches from a fold, over its parameter; transients last as long as one over the root of this
-distance."""
+"""Distance of marches from a fold, divided by the parameter there.  The length of transients goes as one over the root
+of this distance."""
 MARCHED = 300  # Length of a march in excitation periods, in which a multiplier of 0.96 decays to 1e-5
 AT_GRAZE = 1e-3
-"""Distance, over the amplitude, of a point just before the graze: finer solvers have the graze slightly elsewhere."""
+"""Distance of a point just before the graze, divided by the amplitude: finer solvers have the graze slightly
+elsewhere."""
 SETTLED = 1e-7  # Relative error near a fold of an orbit that closes to 1e-9
 APPROACH = 5
-"""Steps of the amplitude from the end of the range to the upper fold: a larger change throws the beam at its stop."""
+"""Number of steps of the amplitude from the end of the range to the upper fold: a larger change would throw the beam
+against its stop."""
 PRESSED = 5e-4  # Impulse per period between the impulses of the motions on either side of a fold, N s
-FLIPS = (22.95, 23.25)  # Range of frequencies, rad/s, that holds the flip of the bar at 23.14
+FLIPS = (22.95, 23.25)  # Range of frequencies, rad/s, that contains the flip of the bar at 23.14
 DOUBLE = 1.016
-"""Frequency over that of the flip, at which a march from rest reaches the motion of two periods; at lower
-frequencies it reaches another motion, of three periods."""
+"""Frequency, divided by the frequency of the flip, at which a march from rest reaches the motion of two periods; at
+lower frequencies it reaches another motion, of three periods."""
 REPEATS = 1e-3
-"""Tolerance of repetition over an impulse: the impulses of a motion of two periods differ by 5 % at `BESIDE`."""
+"""Tolerance of repetition, divided by an impulse: the impulses of a motion of two periods differ by 5 % at `BESIDE`."""
 SPAN = (
     2.85e-4,
     3.7e-4,
@@ -127,7 +131,7 @@ PLACE, GRID = 1.2, (6, 6)
 """Position at which the starts are displaced, m, and numbers of starts along each axis of the grid."""
 LONG = 200  # Length of a march in periods, in which a deviation decays by e^-18
 TOGETHER = 3  # Periods after which motions of one period and of three both repeat
-SAME = 1e-5  # Remainder of a deviation, and of a start not bent as the static shape, over the largest impulse
+SAME = 1e-5  # Rest of a deviation, and of a start not bent as the static shape, divided by the largest impulse
 
 
 def cantilever(amplitude: float) -> Problem:
@@ -223,7 +227,7 @@ def last_point(data: xr.Dataset, solver: Any, name: str) -> Iterator[Check]:
 
 
 def beside_folds(solver: Any, up: float, down: float, name: str) -> Iterator[Criterion]:
-    """A plain march up over one fold and back over the other, each step from the end of the step before."""
+    """A plain march up over one fold and back over the other, each step from the end of the previous step."""
     end = None
     for amplitude in np.linspace(AMPLITUDES[0], (1 - BESIDE) * up, APPROACH)[:-1]:
         _, end = settled(solver, cantilever(float(amplitude)), end)
@@ -248,7 +252,7 @@ def settled(solver: Any, problem: Problem, start: SectionPoint | None) -> tuple[
 
 
 def rigid_flip() -> float:
-    """Where the leading multiplier of the rigid bar is -1, rad/s, by numpy alone."""
+    """Frequency at which the leading multiplier of the rigid bar is -1, rad/s, by numpy alone."""
     text = DOUBLED.format(stiffness="inf")
 
     def beyond(omega: float) -> float:
@@ -286,7 +290,7 @@ def over_flips(say: Say) -> Iterator[Check | Criterion]:
 
 
 def closed_folds() -> list[float]:
-    """Amplitudes, m, ascending, at which the amplitude of the rigid bar is extreme over the duration of its contact."""
+    """Amplitudes, m, ascending, that are extreme for the rigid bar as a function of the duration of its contact."""
     mass, free = BAR["mass"] * BAR["length"] / 3, BAR["torsional"] / BAR["length"] ** 2
     lever = BAR["place"] / BAR["length"]
     both = free + BAR["stop"] * lever**2
@@ -301,7 +305,8 @@ def closed_folds() -> list[float]:
 
 
 def over_contacts(say: Say) -> Iterator[Check | Criterion]:
-    """A bar that touches its stop once a period over the amplitude, at two bending stiffnesses, against closed form."""
+    """A bar that touches its stop once a period, over the amplitude, at two bending stiffnesses, against closed
+    form."""
     exact, folds = closed_folds(), dict[tuple[str, float], list[Estimate]]()
     for solver, factor in (("analytic", 1.0), ("analytic", RATIO), ("fe", 1.0)):
         say(f"bar of one contact, {solver}, {SOFT * factor:g} N m2")
@@ -372,7 +377,7 @@ def basin(say: Say) -> Iterator[Check | Criterion]:
 
 
 def wilson(share: float, count: int) -> tuple[float, float]:
-    """Wilson's interval at 95 %: the shares p whose distance from `share` is 1.96 standard deviations."""
+    """Wilson's interval at 95 %: the fractions p whose distance from `share` is 1.96 standard deviations."""
     z2 = NormalDist().inv_cdf(0.975) ** 2 / count
     low, high = sorted(np.roots([1 + z2, -2 * share - z2, share**2]).real.tolist())
     return low, high

@@ -1,10 +1,13 @@
 """Are the steps of the analytic march as long as its bound allows, and never longer?
 
-Between two switches the march takes steps within which no stop can switch: up to just below the first root of h + h' t
-+ h'' t^2 / 2 + B t^3 / 6, where B bounds the third derivative.  Longer steps would miss contacts; shorter steps would
-show in the run time alone.  Random cubics, many of which all but touch zero before they rise through it, are compared
-step by step with numpy's roots.  The sums over modes and harmonics that make the cubic, and their propagation, are
-compared with numpy's exponentials.
+Between two switches the march takes steps within which no stop can switch: up to just below the first root of
+
+    h + h' t + h'' t^2 / 2 + B t^3 / 6,
+
+where h is the gap function and B a bound on its third derivative.  Longer steps could miss contacts; shorter steps
+would only cost time.  The steps of random cubics, many of which nearly touch zero before they rise through it, are
+compared with numpy's roots.  The sums over modes and harmonics that are the coefficients of the cubic, and their
+propagation in time, are compared with numpy's exponentials.
 """
 
 from __future__ import annotations
@@ -23,16 +26,17 @@ from validation.case import CaseResult, Level, Say, table
 from validation.verdict import Criterion
 
 CUBICS = 4000
-LONGEST = 10.0  # Step asked for, s; about two thirds of the cubics have their root within it
-BELOW = 1e-3  # Largest distance of a step's end below the root, over the root
+LONGEST = 10.0  # Requested step, s; about two thirds of the cubics have their root within it
+BELOW = 1e-3  # Largest distance of a step's end below the root, divided by the root
 CLOSE = 1e-8
-"""Largest distance below the root, over the root, close to a switch where the gap function rises all the way."""
-STEADILY = 0.3  # Largest change of the rate up to a root that is close, over the rate
-TOUCHING = 1e-4  # Distance from zero of a cubic's first maximum that all but touches zero, over its rise from the start
-ROUNDED = 1e-9  # Relative rounding of numpy's roots, within which signs of cubics are not decided
+"""Largest distance of a step's end below the root, divided by the root, if the gap function rises steadily to the
+root."""
+STEADILY = 0.3  # Largest change of the rate up to the root of a cubic that rises steadily, divided by the rate
+TOUCHING = 1e-4  # Distance of the first maximum from zero, divided by the rise to it, of cubics that nearly touch zero
+ROUNDED = 1e-9  # Relative rounding of numpy's roots, within which the sign of a cubic is unknown
 TERMS, HARMONICS, PLACES = 12, 3, 2
 SUMMED = 1e-13  # Relative rounding of some tens of operations
-SHORTLY = 1e-3  # Time, s, after which a gap function is to be above zero; half a root is 0.01 to 10 s
+SHORTLY = 1e-3  # Time, s, after which a gap function should be above zero; half a root is 0.01 to 10 s
 
 
 def cubics() -> FloatArray:
@@ -55,7 +59,7 @@ def value(cubic: FloatArray, t: float) -> float:
 
 
 def first_maximum(cubic: FloatArray) -> float:
-    """Where the cubic has its maximum after the start, s; 0 if it has none there."""
+    """Time of the cubic's maximum after the start, s; 0 if it has none."""
     times = np.roots([cubic[3] / 2, cubic[2], cubic[1]])
     real = np.sort(times[np.abs(times.imag) == 0].real)
     return float(real[0]) if real.size == 2 and real[0] > 0 else 0.0
@@ -139,7 +143,7 @@ def complex_normal(rng: np.random.Generator, shape: int | tuple[int, ...]) -> np
 
 
 def equal(name: str, found: npt.NDArray[Any], exact: npt.NDArray[Any]) -> Criterion:
-    """Largest difference of two arrays over the largest number of the second."""
+    """Largest difference of two arrays, divided by the largest number of the second."""
     apart = float(np.abs(found - exact).max() / np.abs(exact).max())
     return Criterion(f"{name}, largest difference", "1", apart, 0.0, SUMMED, "rounding")
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 MODES = 8  # Number of the lowest modes of each state
 SHOWN = (0, 1, 3, 7)  # Modes of the figure
-FLOOR = 1e-9  # Relative error below which the dense eigenproblem rounds: see the table
+FLOOR = 1e-9  # Relative rounding error of the dense eigenproblem: see the table
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -45,8 +45,8 @@ def highest(solver: analytic.Solver | fe_lapjoint.Solver) -> tuple[float, float]
 
 
 def three_modes() -> Callable[[float], int]:
-    """A function of the depth, m, that counts the crossings `solve_ivp` reports for the three lowest modes with the gap
-    as its event; two exist, for the gap lies that depth below the highest point of this motion."""
+    """A function of the depth, m, that counts the crossings of the gap that `solve_ivp` reports for the three lowest
+    modes; there are two, as the gap lies this depth below the highest point of the motion."""
     modes = analytic.Solver().modes(FREE_FLIGHT, FREE, 3)
     omega, tip = modes.angular_frequencies, modes.shapes(np.array([BEAM.length]))[:, 0]
     x, w = np.polynomial.legendre.leggauss(60)
@@ -98,7 +98,7 @@ def run(level: Level, say: Say) -> CaseResult:
         plain = found_by_solve_ivp(depth)
         missed += plain == 0
         rows.append((f"{depth:g}", *(f"{d:.3e}" for d in durations), "found" if plain else "missed"))
-        # A graze of depth d under acceleration a lasts sqrt(8 d z / |a|), the same in both up to their own a.
+        # A graze of depth d under acceleration a lasts sqrt(8 d z / |a|) in both solvers, each with its own a.
         u = 5e-3 * durations[0] + 4.4e-11
         a, b = (Estimate(d, u, "0.5 % for 16 modes and 16 elements, each with its own gap") for d in durations)
         checks.append(Check(f"depth {depth:g}: duration of the contact", "s", a, b))

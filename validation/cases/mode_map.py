@@ -1,4 +1,4 @@
-"""How many modes are enough, where: impulses against their number and the excitation frequency, by both schemes."""
+"""The number of modes that is enough at each excitation frequency, for the impulses of both schemes."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ REFERENCE = 60  # Number of modes of the converged reference
 MECHANISM = (515.0, 1000.0, 1398.5, 2060.5, 2160.5, 2950.0)  # Peaks and windows of the paper's Figure 4, rad/s
 AFTER = (40, 290)  # Cycles from rest
 WORKERS = 2
-SMALL = 1e-3  # Least error that counts, over the largest impulse of the motion
+SMALL = 1e-3  # Least error that counts, divided by the largest impulse of the motion
 Make = Callable[[], Solver]
 
 
 def impulses(make: Make, omega: float) -> FloatArray:
-    """Per excitation period, N s, shape ``(stops,)``; NaN if the solver gives up."""
+    """Impulses per excitation period, N s, shape ``(stops,)``; NaN if the solver fails."""
     problem = paper_joint(angular_frequency=omega)
     try:
         return make().steady_state(problem, sensitivity=False, errors=False).impulses
@@ -47,7 +47,8 @@ def impulses(make: Make, omega: float) -> FloatArray:
 
 
 def errors(makes: dict[str, Make], frequencies: tuple[float, ...], say: Say) -> FloatArray:
-    """Largest error of an impulse over the largest impulse, shape ``(schemes, frequencies)``; NaN: no answer."""
+    """Largest error of an impulse, divided by the largest impulse, shape ``(schemes, frequencies)``; NaN without an
+    answer."""
     every = (partial(analytic.Solver, n_modes=REFERENCE), *makes.values())
     pairs = [(make, omega) for make in every for omega in frequencies]
     with process_pool(WORKERS) as pool:
@@ -62,7 +63,8 @@ def errors(makes: dict[str, Make], frequencies: tuple[float, ...], say: Say) -> 
 
 
 def left_behind(omega: float, free: int, contact: int) -> list[float]:
-    """Frozen part of the displacement over the whole, mean of the switches of ten cycles, at two times."""
+    """Frozen part of the displacement, divided by the displacement, as means over the switches of ten cycles, at two
+    times."""
     period = 2 * np.pi / omega
     scheme = analytic.PublishedScheme(free, contact)
     part = frozen_part(scheme.simulate(paper_joint(angular_frequency=omega), (AFTER[-1] + 10) * period, errors=False))

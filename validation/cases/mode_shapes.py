@@ -113,7 +113,7 @@ def shapes_drawing(problem: Problem, count: int = 3) -> Drawing:
 
 
 def upwards(problem: Problem, state: ContactState, label: int | None) -> Criterion:
-    """How many modes of the analytic solver have phi + d3 phi / beta^3 above 0 at the tip, as all should."""
+    """Number of modes of the analytic solver with phi + d3 phi / beta^3 above 0 at the tip, as all should have."""
     modes, tip = analytic.Solver().modes(problem, state, MODES), np.array([problem.beam.length])
     beta = (modes.angular_frequencies**2 * problem.beam.m / problem.beam.EI) ** 0.25
     count = float(np.sum(modes.shapes(tip)[:, 0] + modes.shapes(tip, 3)[:, 0] / beta**3 > 0))
@@ -121,7 +121,7 @@ def upwards(problem: Problem, state: ContactState, label: int | None) -> Criteri
 
 
 def tip_ratios() -> list[Check]:
-    """|Phi(L)| in state 2 over the free beam, hard contact: the paper's 0.32 % and 1.67 %."""
+    """|Phi(L)| in state 2, divided by that of the free beam, in hard contact: the paper has 0.32 % and 1.67 %."""
     problem = paper_joint(k_star=5000.0)
     tip = np.array([problem.beam.length])
     checks = []

@@ -15,25 +15,25 @@ from validation.uncertainty import Refined, refined_estimate
 from validation.verdict import Check, ErrorSource, Estimate
 
 ANALYTIC_ORDER = 5.0
-"""Impulses converge with the seventh power of the number of modes, event times with the fifth
+"""Order of convergence of event times in the number of modes, the least order of all numbers: impulses have the order 7
 (tests/analytic/test_steady_state.py)."""
 FE_ORDER = 4.0
-EVENT_FLOOR = 2.2e-11  # Time to which both solvers locate a switch, s
+EVENT_FLOOR = 2.2e-11  # Error with which both solvers locate a switch, s
 
 
 def analytic_levels(problem: Problem, ratio: float) -> list[analytic.Solver]:
-    """The default number of modes over `ratio`, the default, and the default times `ratio`."""
+    """Solvers with the default number of modes divided by `ratio`, the default number, and the number times `ratio`."""
     free, _ = analytic.Solver().mode_counts(problem)
     return [analytic.Solver(n_modes=max(4, round(free * ratio**power))) for power in (-1, 0, 1)]
 
 
 def fe_levels(finest: int) -> list[fe_lapjoint.Solver]:
-    """A quarter, a half and all of `finest` elements."""
+    """Solvers with a quarter, a half and all of `finest` elements."""
     return [fe_lapjoint.Solver(elements=n) for n in (finest // 4, finest // 2, finest)]
 
 
 def refined_by(solver: Solver) -> Refined:
-    """The refinement of a solver: its modes, its mesh, or, for a peer, its own."""
+    """The refinement of a solver: of its modes, of its mesh or, for a peer, its own."""
     by_kind = {analytic.Solver: ErrorSource.MODES, fe_lapjoint.Solver: ErrorSource.MESH}
     return Refined(by_kind.get(type(solver), ErrorSource.REFINEMENT), solver.name)
 
@@ -42,7 +42,9 @@ def longest_period(problem: Problem) -> float:
     """The excitation period, s; without excitation, the period of the slowest elastic mode of the free beam."""
     if problem.excitation_frequency is not None:
         return 2 * math.pi / problem.excitation_frequency
-    found = analytic.Solver().modes(problem, FREE, 4).angular_frequencies  # two of them can be rigid, at zero
+    found = (
+        analytic.Solver().modes(problem, FREE, 4).angular_frequencies
+    )  # two of them can be rigid-body modes, with frequency 0
     return 2 * math.pi / float(found[found > 0][0])
 
 
@@ -55,7 +57,8 @@ def contact_estimates(
     contacts: Sequence[Sequence[Contact]], ratio: float, order: float, refined: Refined, i: int
 ) -> dict[str, Estimate]:
     """Start, end and impulse of the i-th contact from refined solutions, coarse to fine.  Changes may cancel by chance,
-    so no solution is taken for more certain than a coarser one, or than the errors that the finest solution states."""
+    so the uncertainty is at least that of every earlier contact, and at least the stated error of the finest
+    solution."""
 
     def estimate(field: str, j: int) -> Estimate:
         found = refined_estimate([getattr(run[j], field) for run in contacts], ratio, order, refined)
@@ -75,8 +78,7 @@ def contact_estimates(
 
 
 def _stated(contacts: Sequence[Contact], field: str, j: int) -> float:
-    """The error that a solution states of itself, or 0; for a rebound, the larger of the errors of the two impacts
-    around it."""
+    """The stated error of a solution, or 0; for a rebound, the larger error of the impacts before and after it."""
     if field == "impulse":
         return contacts[j].impulse_error or 0.0
     impacts = contacts[j : j + 2] if field == "end" else contacts[j : j + 1]
@@ -94,8 +96,8 @@ def _carried(estimates: Sequence[Estimate]) -> Estimate:
 def compare_contacts(
     problem: Problem, duration: float, count: int, finest: int, cap: float | None = None, stated: bool = False
 ) -> tuple[list[Check], History, History]:
-    """Checks of the first `count` contacts, and the finest histories of both solvers; with `stated`, the errors that
-    the finest solutions state are respected, at the cost of one finer march."""
+    """Checks of the first `count` contacts, and the finest histories of both solvers.  With `stated`, uncertainties are
+    at least the stated errors of the finest solutions, which costs one finer march."""
 
     def marched(solvers: Sequence[Solver]) -> list[History]:
         return [one.simulate(problem, duration, errors=stated and one is solvers[-1]) for one in solvers]

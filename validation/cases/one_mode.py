@@ -19,22 +19,23 @@ from validation.verdict import Check, ErrorSource, Estimate, Kind
 
 LENGTH, MASS = 1.0, 3.0  # Length, m, and mass per length, kg/m: the moment of inertia about the pin is m L^3 / 3
 TORSION, STOP = 100.0, 525.0
-"""Torsional spring, N m/rad, and stop, N/m: omega_2 / omega_1 = 2.5, where no harmonic compared is resonant."""
+"""Torsional spring, N m/rad, and stop, N/m: omega_2 / omega_1 = 2.5, with which no compared harmonic is resonant."""
 SPEED = 0.1  # Speed of the tip at t = 0, m/s
 GAPS = (0.006, 0.0)  # Gaps of the stop, m
 CONTACTS, HARMONICS = 3, (0, 1, 2, 3)
 SOFTEST, RATIO = 1e6, 4.0  # Least bending stiffness, N m2, and the factor from one stiffness to the next
 LIMIT_ORDER = 1.0
-"""Bending is proportional to the load over EI; the ringing that an impact leaves falls with the power 3/2."""
+"""Order of the effect of bending in 1 / EI: bending is proportional to load / EI; the ringing after an impact has the
+order 3/2."""
 SOLVERS: dict[str, Solver] = {"analytic": analytic.Solver(n_modes=6), "FE": fe_lapjoint.Solver(elements=6)}
 ROUNDING = 1e-12  # Relative rounding of the closed form
 EVENT_FLOOR = (
-    1.1e-9  # s: the shortest step in the FE solver's search for a switch, which a start at the gap begins with
+    1.1e-9  # s: the shortest step in the FE solver's search for a switch, the first one after a start at the gap
 )
 
 
 def oscillator(gap: float) -> Bilinear:
-    """The limit: the beam as a rigid bar, its tip's displacement as the coordinate."""
+    """The limit of a rigid bar, with the displacement of its tip as the coordinate."""
     inertia = MASS * LENGTH**3 / 3
     omega_1 = math.sqrt(TORSION / inertia)
     omega_2 = math.sqrt((TORSION + STOP * LENGTH**2) / inertia)

@@ -1,10 +1,10 @@
-"""Are the search's statements about an orbit true of the motion?
+"""Are the statements of the search about an orbit true for the motion?
 
-Four things decide that a march is bound for an orbit: the derivative of the period map, the orbit's distances from its
-stops, the deviations there, and a rule that compares deviations and distances for all time to come.  One code searches
-for both solvers, so neither shows a mistake in it.  Each of the four is derived again here.  Marches that begin a
-little beside the orbit give the derivative and the deviations.  The motion itself gives distances and rates.  The rule
-is taken from its statement in `lapjoint.orbits.approach`, deviation by deviation.
+A march is found to be bound for an orbit by four things: the derivative of the period map, the orbit's distances from
+its stops, the deviations there, and a rule that compares deviations and distances for all later time.  The search is
+shared by both solvers, so their comparison shows no mistake in it.  Each of the four is derived again here.  Marches
+that begin a little beside the orbit give the derivative and the deviations.  The motion itself gives distances and
+rates.  The rule is evaluated as it is stated in `lapjoint.orbits.approach`, deviation by deviation.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 MODAL, MESH = analytic.Solver(n_modes=5), fe_lapjoint.Solver(elements=1)
-"""Coarse solvers, for each is compared with itself alone."""
+"""Coarse solvers, as each solver is compared only with itself."""
 WIDE = joint("Gaps out of reach", 2.5, 0.05, (1.0, "top", 1.2e-2, 30.0), (0.5, "bottom", 9e-3, 30.0))
 FOUR = joint("Four periods", 2.5, 0.02, (1.0, "top", 4e-3, 30.0), (0.5, "bottom", 2e-3, 30.0))
 ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
@@ -53,47 +53,52 @@ ORBITS: tuple[tuple[str, Problem, Solver], ...] = (
 """Orbits of all kinds: with one and with several switches at a stop, with a mirror image, of several periods,
 without contact."""
 FEW = tuple((ratio, omega) for ratio in (0.02, 0.05) for omega in (120.0, 160.0, 222.0, 300.0, 400.0, 500.0))
-"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which five modes leave out enough that
-a stop switches beyond its gap and back: finite differences give the derivative only if they account for these
-switches."""
-BESIDE = 1e-7  # Distance at which neighbours begin, over the orbit's size: its square, and rounding over it, are lost
-DERIVED = 1e-5  # Relative error of a derivative by differences over that distance
+"""Damping ratios of the paper's joint, and frequencies of its base, rad/s, at which truncation to five modes makes a
+stop switch beyond its gap and back: finite differences give the derivative only if they account for these switches."""
+BESIDE = (
+    1e-7  # Distance of neighbouring starts, divided by the orbit's size; errors are its square, and rounding over it
+)
+DERIVED = 1e-5  # Relative error of a derivative by differences over `BESIDE`
 BY_SAMPLES = 0.05
 """Relative error of the parabolas between 64 samples in half a period, which `FiniteDifferences` draws."""
 EDGE = 1e-6
-"""Distances, once and twice this, before a switch from which rates are extrapolated, over the orbit's length."""
-READ = 1e-3  # Relative error of a rate, and of its rate, by that extrapolation
-CLOSED = 1e-8  # Relative error of the times of switches: how well they are located, and how well the orbit closes
-PERIODS = 3  # Periods over which a deviation is followed, and after which a march from rest is taken as a deviation
+"""Time before a switch, divided by the orbit's length; rates are extrapolated from once and twice this time."""
+READ = 1e-3  # Relative error of a rate, and of its derivative, by this extrapolation
+CLOSED = 1e-8  # Relative error of the times of switches, by their location and by the closure of the orbit
+PERIODS = 3  # Periods over which a deviation is followed, and after which a march from rest gives a deviation
 POINTS = 9  # Points in an interval at which distances are evaluated
 EXACT = 1e-6  # Relative rounding of bounds and sizes that are derived twice
 TIGHT = 0.5
-"""Least share of a distance of which the search must be certain; a smaller share would make it march too long."""
+"""Least bound on a distance that the search must find, divided by the distance; a smaller bound would make it march too
+long."""
 ON_AVERAGE = 0.975
-"""Least mean share of distances and deviations: chords are close over intervals of a 32nd of a period at most."""
+"""Least mean of the ratios in `within`: chords are close over intervals of at most a 32nd of a period."""
 CHORD = 1e-4  # Relative error of a chord for a distance or a deviation that hardly bends
-WITHIN = 1e-9  # Distance from a switch over the interval: truncated modes jump at it, and rounding decides the side
-INSIDE = 0.02  # Distance from the ends of an interval, over its length, as a deviation moves the switches there
+WITHIN = (
+    1e-9  # Distance from a switch, divided by the interval: truncated modes jump there, and rounding decides the side
+)
+INSIDE = 0.02  # Distance from the ends of an interval, divided by its length, as a deviation moves the switches there
 WANDERING = ("four periods",)
 WANDERED, WATCHED, MULTIPLES = 80, 64, 6
 """Periods of a march from rest, the last periods over which its wandering is measured, and the multiples tried."""
 RATIOS = (0.0, 0.01, 0.02)  # Damping ratios of modes, the first without damping
 FREE, BENT, SHIFTS, RATE, APART = 0.9, 0.5, 3.0, 0.5, 1 / 3
-"""The rule: largest share of a distance that a deviation may take without switches and with them; shifts of a switch
-beside it that are exempt; largest share of the rate by which the rate may change; largest share of the time to the
-next switch."""
+"""The numbers of the rule: largest deviation divided by the distance, without switches and with switches; exempt time
+beside a switch, divided by its shift; largest change of the rate, divided by the rate; largest shift, divided by the
+time to the next switch."""
 LOOKED_AT = 512  # Periods of the orbit over which the rule is evaluated: the slowest orbit decays by 0.85 in each
 SMALLEST, LARGEST, HALVINGS = 1e-8, 1e4, 40
-"""Sizes of deviations over that of the orbit, between which the largest allowed size is bisected."""
-BEYOND = (1.5, 4.0, 20.0)  # Multiples of that size at which the rule states a time to wait
-NEARLY = 0.95  # Least share of the rule's limit that bounds reach in place of true deviations and distances
-BACK = 40  # Periods after which a march from such a deviation must be back
-RETURNED = 1e-2  # Largest remainder over the deviation after these periods: 0.85 to the power of 40 is 1.5e-3
+"""Sizes of deviations, divided by the size of the orbit, between which the largest allowed size is bisected."""
+BEYOND = (1.5, 4.0, 20.0)  # Multiples of the allowed size at which the rule states a time to wait
+NEARLY = 0.95  # Least ratio of the rule's limit by bounds to its limit by true deviations and distances
+BACK = 40  # Periods after which a march from an allowed deviation must be back
+RETURNED = 1e-2  # Largest rest, divided by the deviation, after `BACK` periods: 0.85 to the power of 40 is 1.5e-3
 DECAYING = -np.array([0.1, 1.0, 3.0, 0.0]) + 1j * np.array([2.0, 9.0, 0.0, 4.0])
-"""Exponents of the terms over which chords are drawn, 1/s: ringing, overdamped and undamped terms."""
+"""Exponents of the terms whose chords are tested, 1/s: ringing, overdamped and undamped terms."""
 CUTS = (0.0, 0.01, 0.015, 0.02, 0.04, 0.06)  # Ends of the intervals in a segment, s
 OVER = 1.1
-"""Largest bound over the error of a chord: the bound uses the term at the start of an interval of 0.2 rad at most."""
+"""Largest bound on the error of a chord, divided by the error: the bound uses the term at the start of an interval of
+at most 0.2 rad."""
 
 
 @dataclass(frozen=True)
@@ -122,14 +127,14 @@ class Known:
 
     @cached_property
     def deviation(self) -> FloatArray:
-        """A random deviation of the length of the orbit's section point."""
+        """A random deviation, as long as the orbit's section point."""
         map_ = self.half_periods.map
         found = np.random.default_rng(5).standard_normal(self.orbit.last.matrix[0].shape)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
 
     @cached_property
     def transient(self) -> FloatArray:
-        """The deviation of a march from rest after some periods, scaled to the length of the orbit's section point."""
+        """The deviation of a march from rest after some periods, scaled to be as long as the orbit's section point."""
         map_ = self.half_periods.map
         found = map_.difference(map_.march(map_.initial(), 2 * PERIODS).end, self.orbit.point)
         return np.asarray(found * map_.size(self.orbit.point) / map_.norm(found))
@@ -173,7 +178,8 @@ def nearest(history: History, stop: int, time: float) -> float:
 
 
 def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: str) -> Iterator[Check]:
-    """Numbers of one kind by the search, and from elsewhere, to a share of the largest number."""
+    """Numbers of one kind by the search, against independent ones; the tolerance is `share` times the largest
+    number."""
     found, reference = pair
     u = share * float(np.abs(reference).max(initial=0.0))
     for i, (one, other) in enumerate(zip(found, reference, strict=True)):
@@ -182,7 +188,8 @@ def same(name: str, unit: str, pair: Iterable[FloatArray], share: float, how: st
 
 
 def derivative(it: Known) -> Iterator[Check | Criterion]:
-    """The solver's own derivative against finite differences, which solvers without a derivative are given."""
+    """The solver's own derivative against the finite differences that the search uses for solvers without a
+    derivative."""
     map_, count, how = it.half_periods.map, it.orbit.half_periods, "by finite differences"
     plain = FiniteDifferences(map_)
     own, other = it.half_periods.tangent.linearised(it.orbit.point, count), plain.linearised(it.orbit.point, count)
@@ -196,7 +203,7 @@ def derivative(it: Known) -> Iterator[Check | Criterion]:
     yield from same(f"{it.label}: farthest from stop", "m", farthest, BY_SAMPLES, how)
     if isinstance(
         it.solver, fe_lapjoint.Solver
-    ):  # few modes lose a little at a switch, so that a sample there is vague
+    ):  # with few modes the motion jumps a little at a switch, so that a sample there is uncertain
         beside = (one.deviated(it.deviation[:, None]).at_switches[:, 0] for one in (watch, sampled))
         yield from same(f"{it.label}: deviation at switch", "m", beside, DERIVED, how)
     yield from followed(it, plain, how)
@@ -258,10 +265,10 @@ def carried(pair: FloatArray) -> float:
 
 
 def edges(it: Known) -> FloatArray:
-    """Start and end of every interval, in s, from the times to the switches of each stop, shape (2, P, I); NaN where no
-    switch tells."""
+    """Start and end of every interval, s, from the times to the switches of each stop, shape (2, P, I); NaN without a
+    switch."""
     found, intervals, length = it.orbit.watch.switches, it.orbit.watch.intervals, it.length
-    tiny = 1e-9 * length  # so that the ends of the orbit stay where they are
+    tiny = 1e-9 * length  # so that the ends of the orbit are unchanged
     both = np.full((2, intervals.stop.size), math.nan)
     told = intervals.before >= 0
     both[0, told] = np.mod(found.time[intervals.before[told]] + intervals.since[told] + tiny, length) - tiny
@@ -294,7 +301,7 @@ def distances(it: Known) -> Iterator[Criterion]:
 
 
 def within(name: str, part: FloatArray, whole: FloatArray) -> Iterator[Criterion]:
-    """Share of the whole that the part reaches in all intervals: never above one, and close to one in most."""
+    """Ratio of the part to the whole in all intervals: never above 1, and close to 1 on average."""
     shares = (part / whole)[whole > 1e-6 * whole.max()]
     reason = "a bound, reached where the motion hardly bends"
     yield Criterion(f"{name}, largest", "1", float(shares.max()), 1 - CHORD, 1 + EXACT, reason)
@@ -365,7 +372,7 @@ def conditions(it: Known, deviated: Deviated) -> npt.NDArray[np.bool_]:
 
 
 def waits(it: Known, size: float) -> int:
-    """Periods of the orbit after which a deviation, of a size relative to the orbit's, meets the rule for good."""
+    """Periods of the orbit after which a deviation, of `size` times the orbit's size, meets the rule for ever."""
     column, columns = size * it.deviation, []
     for _ in range(LOOKED_AT):
         columns.append(column)
@@ -384,7 +391,7 @@ def allowed(fails: Callable[[float], int]) -> float:
 
 
 def rule(it: Known) -> Iterator[Check | Criterion]:
-    """Statements of the search on deviations of several sizes, against the rule as it is stated, and against a
+    """Statements of the search about deviations of several sizes, against the rule as it is stated, and against a
     march."""
 
     def fails(size: float) -> int:
@@ -409,7 +416,7 @@ def rule(it: Known) -> Iterator[Check | Criterion]:
 
 
 def wanders(it: Known) -> Iterator[Criterion]:
-    """The distance of a march from rest to repetition, against its definition, term by term."""
+    """The distance of a march from repeating, against its definition, term by term."""
     map_ = it.half_periods.map
     points = [map_.initial()]
     for _ in range(WANDERED):
@@ -429,7 +436,8 @@ def wanders(it: Known) -> Iterator[Criterion]:
 
 
 def few_modes() -> Iterator[Criterion]:
-    """The derivative of a march with few modes, whole and for one deviation, where truncation at switches is large."""
+    """The derivative of a march with few modes, as a matrix and for one deviation, with large truncation at
+    switches."""
     told, whole, growth = 0, 0.0, 0.0
     for ratio, omega in FEW:
         it = known("few modes", paper_joint(angular_frequency=omega, damping_ratio=ratio), MODAL)
@@ -452,7 +460,7 @@ def few_modes() -> Iterator[Criterion]:
 
 
 def damping_rates() -> Iterator[Check]:
-    """The lowest damping rate of damped modes, from which the search knows how long a transient may last."""
+    """The lowest damping rate of damped modes, by which the search bounds the duration of a transient."""
     ratios = ModalDamping(ratio=RATIOS)
     for solver in (MODAL, fe_lapjoint.Solver(elements=16)):
         found = solver.period_map(JOINTS["uneven"].replace(damping=ratios)).lowest_damping_rate

@@ -1,12 +1,15 @@
-"""A user's own problem: the same comparison, on whatever the file holds."""
+"""A user's own problem: frequencies, static equilibrium, first contacts and steady state by both solvers."""
 
 from __future__ import annotations
 
 import math
 
+import numpy as np
+
 import analytic
 import fe_lapjoint
 from lapjoint import Outcome, Problem, contact_states
+from lapjoint.errors import InputError
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, compare_contacts, longest_period
 from validation.cases.steady import compare_steady
@@ -53,6 +56,50 @@ def frequencies(problem: Problem, level: Level, say: Say) -> CaseResult:
     )
 
 
+def has_equilibrium(problem: Problem) -> bool:
+    """Whether a problem has static loads or preload, and rests under them."""
+    if not problem.forces.constant and all(stop.gap >= 0 for stop in problem.stops):
+        return False
+    try:
+        analytic.Solver().equilibrium(problem)
+    except InputError:  # nothing resists the loads
+        return False
+    return True
+
+
+def equilibrium(problem: Problem, level: Level, say: Say) -> CaseResult:
+    """Where the joint rests under its static loads, while the base stands still."""
+    say("static equilibrium")
+    both = [solver.equilibrium(problem) for solver in (analytic.Solver(), fe_lapjoint.Solver())]
+    places = sorted({problem.beam.length, *(stop.x for stop in problem.stops)})
+    numbers: list[tuple[str, str, list[tuple[float, float]]]] = []
+    for k, name in enumerate(problem.stop_names):
+        pushed = [(float(it.contact_forces[k]), float(it.errors.contact_forces[k])) for it in both]
+        numbers.append((f"force of {name}", "N", pushed))
+    for x in places:
+        moved = [(float(it.displacement(np.array([x]))[0]), it.errors.displacement) for it in both]
+        numbers.append((f"displacement at {x:g} m", "m", moved))
+    for x in sorted({support.x for support in problem.supports}):  # supports at one place share their force at will
+        here = [i for i, support in enumerate(problem.supports) if support.x == x]
+        held = [(float(it.support_forces[here].sum()), float(it.errors.support_forces[here].sum())) for it in both]
+        numbers.append((f"force of the support at {x:g} m", "N", held))
+    checks = []
+    for name, unit, found in numbers:
+        a, b = (Estimate(value, u, it.error_source) for (value, u), it in zip(found, both, strict=True))
+        checks.append(Check(name, unit, a, b))
+    notes = [sentence for sentence in dict.fromkeys(it.other_equilibria for it in both) if sentence]
+    rows = [(c.name, c.unit, c.a.value, c.b.value, f"{c.difference:.1e}", f"{c.allowed:.1e}") for c in checks]
+    return CaseResult(
+        "equilibrium",
+        "Static equilibrium",
+        "Where the joint rests under gravity, constant loads and preload: forces of stops and supports, and "
+        "displacements, each with the rounding error that its solver states.",
+        checks=tuple(checks),
+        tables=(table("Equilibrium", ("quantity", "unit", "analytic", "FE", "difference", "allowed"), rows),),
+        notes=tuple(notes),
+    )
+
+
 def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The first contacts from the initial state."""
     say("from the initial state")
@@ -71,7 +118,7 @@ def transient(problem: Problem, level: Level, say: Say) -> CaseResult:
 
 
 def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
-    """The steady state, where the excitation has one frequency."""
+    """The steady state, if the excitation has one frequency."""
     say("steady state")
     point = compare_steady(problem, 40 if level == "quick" else 64)
     notes = [outcome.value for outcome in dict.fromkeys(point.outcomes)]

@@ -1,4 +1,4 @@
-"""The peaks of the impulse curve near 515, 820 and 2950 rad/s: where they are, and how high."""
+"""The peaks of the impulse curve near 515, 820 and 2950 rad/s: their frequencies and heights."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from validation.verdict import Check, Criterion, ErrorSource, Estimate
 NEAR = {515.0: 15.0, 820.0: 15.0, 2950.0: 40.0}
 """The paper's peak frequencies, and the half width in which each peak is sought, rad/s."""
 TIP = 0  # P2, the bottom stop at the tip
-SPACING = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # Points about a peak, over half the width searched
+SPACING = np.array([-1.0, -0.5, 0.0, 0.5, 1.0])  # Points about a peak, divided by half of the searched width
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ def centre(near: float) -> float:
 
 
 def top(omega: FloatArray, impulse: FloatArray) -> tuple[float, float]:
-    """Where the quartic through five points is highest, and how high."""
+    """Position and height of the maximum of the quartic through five points."""
     middle, half = omega[2], omega[4] - omega[2]
     quartic = np.polynomial.Polynomial.fit((omega - middle) / half, impulse, 4, domain=[-1, 1])
     roots = quartic.deriv().roots()
@@ -70,7 +70,7 @@ def peak(near: float, at: float, solvers: Sequence[Solver], ratio: float, order:
     curves = np.array([[tip_impulse(solver, w) for w in omega] for solver in solvers])
     tops = np.array([top(omega, curve) for curve in curves])
     what = refined_by(solvers[-1])
-    # The height shares the error of the impulses that it comes from.
+    # The height has the error of the impulses from which it is computed.
     heights = refined_vector(
         np.column_stack([tops[:, 1], curves]), ratio, order, what, floor=1e-8, floor_source=ErrorSource.ORBIT
     )

@@ -1,6 +1,6 @@
 """Other solvers as witnesses: frequencies and first contacts by analytic solver, finite elements, and each peer.
 
-A peer is any solver that is registered and named on the command line.  It is refined twice by its own `refined`.
+A peer is another installed solver that is named on the command line.  Its method `refined` refines it twice.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ from validation.verdict import Check, Estimate, Kind
 
 MODES, CONTACTS = 5, 4
 DURATION = 0.015  # Length of the damped joint's motion, s: the first contacts
-MARGIN = 1.02  # Time marched over the end of the last contact: coarse solutions are late
+MARGIN = 1.02  # Length of the march, divided by the end of the last contact: coarse solutions are late
 PERIODS = 1.5  # Periods of the excitation or the slowest motion, for a user's problem
 RATIO, PEER_ORDER = 2.0, 2.0
-"""Refinement from one level of a peer to the next, and the order relied on, which is that of a fixed time step."""
-FREQUENCY_ORDER = 4.0  # Order of frequencies of cubic beam elements, which all peers so far have
+"""Refinement from one level of a peer to the next, and the assumed order of convergence, that of a fixed time step."""
+FREQUENCY_ORDER = 4.0  # Order of frequencies of cubic beam elements, which all present peers have
 ELASTIC_FLOOR, RIGID_FLOOR = 1e-8, 1e-4
-"""Error of a frequency over the highest frequency compared: eigenvalue solvers round omega^2 relative to the highest
-mode of the whole mesh, and the zeros of rigid-body modes show the root of this error."""
+"""Error of a frequency, divided by the highest compared frequency: eigenvalue solvers round omega^2 relative to the
+highest mode of the whole mesh, and the zeros of rigid-body modes show the root of this error."""
 
 Levels = dict[str, tuple[list[Solver], float, float]]
-"""By name of the solver: three solvers from coarse to fine, the ratio of refinement, and the order."""
+"""For each name of a solver: three solvers from coarse to fine, the ratio of refinement, and the order."""
 
 
 def damped_joint() -> Problem:
-    """The paper's joint with viscous damping, which all programs can express."""
+    """The paper's joint with viscous damping, which all programs can represent."""
     return paper_joint().replace(damping=ViscousDamping(coefficient=2000.0))
 
 
@@ -72,7 +72,7 @@ def levels(problem: Problem, peers: tuple[str, ...], finest: int) -> Levels:
 
 
 def marked(estimate: Estimate, name: str) -> Estimate:
-    """The estimate as another code's, where it is a peer's."""
+    """The estimate, marked as that of another code if it is by a peer."""
     return estimate if name in ("analytic", "FE") else replace(estimate, kind=Kind.OTHER_CODE)
 
 
@@ -104,7 +104,7 @@ def frequencies(
 def first_contacts(
     problem: Problem, duration: float, chosen: Levels, say: Say
 ) -> Iterator[tuple[str, str, dict[str, Estimate]]]:
-    """Start and impulse of the first contacts, by all solvers, as long as all see the same stop."""
+    """Start and impulse of the first contacts, by all solvers, as long as all have contacts of the same stop."""
     runs: dict[str, list[list[Contact]]] = {}
     for name, (solvers, _, _) in chosen.items():
         say(f"first contacts, {name}")

@@ -57,7 +57,7 @@ kind = "polynomial"
 displacement = [0.0, 1.6e-3, -1e-3]
 velocity = [0.0, 0.0, 0.16, -0.1]
 """
-# Without curvature at the pins, and under a uniform load, waves of all lengths hardly ring.
+# Without curvature at the pins, and under a uniform load, short waves hardly ring.
 RINGING = """
 title = "Viscous damping, from a sampled shape, two harmonics of the base"
 [beam]
@@ -84,7 +84,7 @@ displacement = [0.0, 7.654e-4, 1.4142e-3, 1.8478e-3, 2e-3, 1.8478e-3, 1.4142e-3,
 velocity = [0.0, -0.0707, -0.1, -0.0707, 0.0, 0.0707, 0.1, 0.0707, 0.0]
 """
 OVERDAMPED = RINGING.replace("coefficient = 13.0", "coefficient = 800.0")
-"""Above critical for the first mode, 2 m omega_1 = 520 N s/m2, and below for all others."""
+"""Damping above critical for the first mode, 2 m omega_1 = 520 N s/m2, and below critical for all others."""
 FREE = """
 title = "Free beam under a step load and base motion"
 [beam]
@@ -105,7 +105,7 @@ force = 42.0
 """
 BEAMS = {"loaded": LOADED, "ringing": RINGING, "overdamped": OVERDAMPED}
 PLACES, TIMES = (0.3, 0.9), (0.0613, 0.1307)
-"""Positions, m, and times, s: at no node of the coarsest mesh, and no multiple of a period."""
+"""Positions, m, at no node of the coarsest mesh, and times, s, at no multiple of a period."""
 DURATION = 0.14  # Length of the motion, s
 MODES, MESHES = 24, (8, 16, 32)
 QUANTITIES = (
@@ -117,14 +117,13 @@ QUANTITIES = (
     ("shear force", "N", 1.0),
 )
 RINGING_SHOWS = ("displacement", "slope")
-"""Quantities that few modes give for a beam whose waves of all lengths are damped alike; velocity needs the short
-waves."""
+"""Quantities that few modes give for a beam with equal decay rates of all waves; velocity needs the short waves."""
 TRUNCATION = {"displacement": 2e-6, "velocity": 1e-5, "slope": 5e-5, "bending moment": 1e-5, "shear force": 1e-4}
-"""Error over the largest value of its kind: 24 modes and the static residual lack part of the waves that a jump
-sends out."""
+"""Error, divided by the largest value of its kind: 24 modes and the static residual lack a part of the waves that a
+jump of a load sends out."""
 CONSERVED = 1e-7  # Relative error of quadrature, and rounding of the finite elements' rigid-body modes
 FEW = 3  # Number of modes, of a motion that six waves drive
-SUMMED = 1e-8  # Truncation error of the witness, over the largest value of its kind
+SUMMED = 1e-8  # Truncation error of the witness, divided by the largest value of its kind
 
 
 def found(history: History, x: float, t: float) -> tuple[float, ...]:
@@ -162,11 +161,11 @@ def compared(label: str, text: str) -> list[Check]:
 
 
 def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
-    """Centre and turn of a free beam obey the equations of a rigid body, as elastic modes carry neither.  Under viscous
-    damping of coefficient C both decay with 2 a = C / m; modal ratios do not damp a rigid body."""
+    """Centre and rotation of a free beam against the equations of a rigid body, as elastic modes move neither.  Under
+    viscous damping of coefficient C both rates decay with 2 a = C / m; modal ratios do not damp a rigid body."""
     problem = from_toml(FREE.format(kind=kind, value=value))
     L, m, Y, w, phase, force, at, t = 1.6, 3.768, 1.5e-3, 95.0, 1.1, 42.0, 1.2, DURATION
-    # Of a constant acceleration of one, and of a base that moves.
+    # Under a constant acceleration of 1, and under the motion of the base.
     one = t**2 / 2 if decay == 0 else (t - (1 - math.exp(-2 * decay * t)) / (2 * decay)) / (2 * decay)
     wave = Y * w**2 / (-(w**2) + 2j * decay * w)
     begin, now = wave * cmath.exp(1j * phase), wave * cmath.exp(1j * (w * t + phase))
@@ -187,7 +186,7 @@ def free_flight(kind: str, value: str, decay: float) -> Iterator[Check]:
 
 
 def rates() -> Iterator[Check]:
-    """Velocity and acceleration against their integrals, with few enough modes that the residual counts."""
+    """Velocity and acceleration against their integrals, with so few modes that the static residual is tested."""
     problem = from_toml(LOADED)
     t, weights = gauss_panels(np.linspace(*TIMES, 201), 20)
     for solver in (analytic.Solver(n_modes=FEW), fe_lapjoint.Solver(elements=MESHES[0])):

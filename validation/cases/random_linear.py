@@ -25,10 +25,10 @@ SHAKEN = Problem(
 SOLVERS = {"analytic": {"n_modes": 10}, "fe": {"elements": 12}}
 DURATION = {"quick": 40.0, "standard": 100.0, "full": 600.0}  # Length of each of `SEEDS` motions, s
 RATE = 150.0
-"""Samples a second, Hz: root mean squares have no bias at any rate, and this one is above twice the second mode."""
+"""Samples a second, Hz, more than twice the second mode; root mean squares have no bias at any rate."""
 SMEARED = 5e-3
-"""Relative, of a root mean square: edges of the band that a filter smears, and what straight lines between samples of
-the excitation add at 7 times the highest frequency."""
+"""Relative error of a root mean square by the smeared edges of the band, and by the power that straight lines between
+samples of the excitation add at 7 times the highest frequency."""
 
 
 @dataclass(frozen=True)

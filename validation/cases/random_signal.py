@@ -1,8 +1,8 @@
 """Random excitation as a signal: its spectrum, its integrals over time, and the independence of its parts.
 
-Long stretches of an acceleration of the base and of two forces, all with one seed, are analysed as in a laboratory: by
-root mean squares, by the power in bands and outside of them, and by correlations.  The mean square of a Gaussian signal
-of density S over a time T has the relative standard error
+Long stretches of an acceleration of the base and of two forces, all with one seed, are analysed as measured signals: by
+root mean squares, by the power in bands and outside them, and by correlations.  The mean square of a Gaussian signal of
+density S over a time T has the relative standard error
 
     sqrt(integral of S^2 df / T) / integral of S df.
 """
@@ -27,10 +27,10 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 PSD = ((10.0, 2e-3), (40.0, 3e-2), (80.0, 5e-3))
 """Breakpoints, Hz and g2/Hz or kN2/Hz: the slopes are so steep that any other interpolation gives other powers."""
 UNITS = {"acceleration": ("g2/Hz", 9.80665), "force": ("kN2/Hz", 1000.0)}
-"""Unit of the density, and SI units in its root; the acceleration of free fall is that of the third CGPM, 1901."""
+"""Unit of the density, and SI units in its root; the acceleration of free fall is by the third CGPM, 1901."""
 SEED, RATE = 5, 640.0
-"""Seed, and samples per second, Hz, eight times the highest frequency: straight lines between samples take off a
-tenth there."""
+"""Seed, and samples per second, Hz, eight times the highest frequency: straight lines between samples reduce the
+density there by a tenth."""
 SAMPLES = {"quick": 2**18, "standard": 2**20, "full": 2**22}
 BANDS = (12.0, 16.0, 20.0, 26.0, 33.0, 40.0, 48.0, 57.0, 67.0, 76.0)
 """Edges of the bands, Hz; the ends of the density, which a filter smears, lie outside."""
@@ -38,21 +38,22 @@ SMEARED = 4e-3  # Relative error of a root mean square by the edges, smeared ove
 TWO_SIGMA = 1.96  # Standard deviations that a normal variable exceeds 5 times in 100
 OUTSIDE = (1.25 * PSD[-1][0], RATE / 2)  # Range far from the smeared edge, up to half the sample rate, Hz
 LET_THROUGH = 1e-8
-"""Largest power in that range over the largest density.  The filter's own leak is 1e-10 of it; a jump would leave
-1e-4."""
+"""Largest density in `OUTSIDE`, divided by the largest density.  The filter leaks 1e-10; a jump in the signal would
+give 1e-4."""
 APART = 5.0
-"""Time, s, after which this signal is uncorrelated with itself: 50 periods of its lowest frequency, two of which its
-edges take."""
+"""Time, s, after which the signal is uncorrelated with itself: 50 periods of its lowest frequency; the edges of the
+band need two."""
 CHANCE = 7.0
-"""Standard deviations that no correlation at 1e6 lags exceeds by chance, but once in 4e5 cases of this size."""
+"""Standard deviations that the largest correlation at 1e6 lags exceeds by chance only once in 4e5 cases."""
 ROUNDING = 1e-10
-"""Rounding of sums of filtered noise over its largest value: a filter has as many taps as samples in 13 s."""
+"""Rounding of sums of filtered noise, divided by its largest value: the filter has as many taps as there are samples in
+13 s."""
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=3), fe_lapjoint.Solver(elements=2))
 BEAM = Beam(length=0.7, bending_stiffness=30.0, mass_per_length=0.9)
 MARCHED, LOOKED_AT, OTHER_RATE = 14.0, 1401, 500.0
-"""Time over which a beam is marched, s; number of times at which it is evaluated; sample rate of the force on it,
-Hz.  Random signals are generated in blocks, and handed on in other blocks some seconds long."""
-SAME = 1e-9  # Rounding, over the largest value, between thousands of knots of blocks and of records
+"""Length of the march of a beam, s; number of times at which it is evaluated; sample rate of the force on it, Hz.
+Random signals are generated in blocks, and passed on in other blocks of some seconds."""
+SAME = 1e-9  # Rounding, divided by the largest value, between thousands of knots of blocks and of records
 
 
 def base(seed: int = SEED) -> RandomBaseMotion:
@@ -61,7 +62,7 @@ def base(seed: int = SEED) -> RandomBaseMotion:
 
 
 def load() -> RandomLoad:
-    """A force; its place does not matter."""
+    """A force; its position has no effect on the signal."""
     return RandomLoad(x=0.0, psd=PSD, unit=UNITS["force"][0], rate=RATE, seed=SEED)
 
 
@@ -93,7 +94,8 @@ def levels(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
 
 
 def bands(t: FloatArray) -> Iterator[tuple[str, str, float, float, float]]:
-    """Root mean squares of the acceleration in bands, with the density that straight lines between samples give."""
+    """Root mean squares of the acceleration in bands, against the density of a signal that is linear between
+    samples."""
     a, f = base().at(t, 2), np.asarray(np.fft.rfftfreq(t.size, 1 / RATE), dtype=float)
     found = np.abs(np.fft.rfft(a)) ** 2 * (2 / t.size**2) * np.sinc(f / RATE) ** 4
     wanted = density("acceleration").at(f) * (RATE / t.size)
@@ -110,7 +112,7 @@ def integrals(t: FloatArray) -> Iterator[Criterion]:
     y, v, a = (one.at(t, n) for n in range(3))
     change = np.diff(a)
     off = []
-    for share in (0.5, 1.0):  # of the way to the next sample
+    for share in (0.5, 1.0):  # fraction of the time to the next sample
         when, s = t[:-1] + share * h, share * h
         by_velocity = v[:-1] + s * (a[:-1] + share * change / 2)
         by_displacement = y[:-1] + s * v[:-1] + s**2 * (a[:-1] / 2 + share * change / 6)
@@ -123,7 +125,7 @@ def integrals(t: FloatArray) -> Iterator[Criterion]:
 
 
 def outside(t: FloatArray) -> Criterion:
-    """The largest power far above the band, over the largest within, from stretches under a Hann window."""
+    """The largest density far above the band, divided by the largest within, from stretches under a Hann window."""
     a, n = base().at(t, 2), 2**12
     parts = a[: t.size // n * n].reshape(-1, n) * np.hanning(n)
     power, f = np.mean(np.abs(np.fft.rfft(parts)) ** 2, axis=0), np.fft.rfftfreq(n, 1 / RATE)

@@ -4,7 +4,7 @@ The mass is a bar on a pin that hardly bends, with a torsional spring.  With m L
 
     u'' + (C / m) u' + (kt / I) u + (forces of stops) L^2 / I = -(3/2) a.
 
-Further stops, 1e-12 times as stiff as the spring, count how often u crosses their gaps, and for how long it is beyond.
+Further stops, with 1e-12 of the spring's stiffness, count how often u crosses their gaps, and for how long u is beyond.
 """
 
 from __future__ import annotations
@@ -26,19 +26,20 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 LENGTH, MASS = 1.0, 3.0
 INERTIA = MASS * LENGTH**3 / 3
 STIFF = 1e7
-"""Bending stiffness, N m2: bending makes the bar's springs softer by 1e-4, far below any interval here; a stiffer
-bar rings so fast that finite elements take eight times as long."""
+"""Bending stiffness, N m2: bending makes the bar's springs softer by 1e-4, far below any interval here.  A stiffer bar
+rings so fast that finite elements need eight times as long."""
 OSCILLATOR = Gibbs(omega=20.0, gamma=4.0, density=0.3, top=(0.05, 3000.0), bottom=(0.03, 900.0))
 LEVELS = (0.0, 0.02)  # Further displacements whose crossings are counted, m
-FEATHER = 1e-12  # Stiffness of a stop that only counts crossings, over that of the spring at the tip
+FEATHER = 1e-12  # Stiffness of a stop that only counts crossings, divided by the spring's stiffness at the tip
 BANDS = ((0.2, 25.0), (0.1, 50.0), (0.05, 100.0), (0.025, 200.0), (0.0125, 400.0))
 """Bands of the excitation, Hz; the first whose bias is small enough is used."""
-SMALL = 0.2  # Largest bias of the band over an interval
+SMALL = 0.2  # Largest bias by the limited band, divided by an interval
 SEED, SEEDS = 7, 8
 DURATION = {"quick": 50.0, "standard": 80.0, "full": 500.0}  # Length of each of `SEEDS` motions, s
 SOLVERS = {"analytic": {"n_modes": 1}, "fe": {"elements": 1}}
 SHARE = {"analytic": 1.0, "fe": 0.25}
-"""Share of the duration by the cost of each solver; the quick level leaves the finite elements to `random-linear`."""
+"""Fraction of the duration for each solver, by its cost; on the quick level, only `random-linear` has finite
+elements."""
 
 
 def bar(band: tuple[float, float]) -> Problem:
@@ -46,7 +47,7 @@ def bar(band: tuple[float, float]) -> Problem:
     crossings."""
     it, per_mass = OSCILLATOR, INERTIA / LENGTH**2
     spring = it.omega**2 * INERTIA
-    density = 4 * math.pi * it.density / 1.5**2  # one-sided, per Hz, of the base
+    density = 4 * math.pi * it.density / 1.5**2  # one-sided, per Hz, of the base's acceleration
     stops = (
         Stop(name="top", x=LENGTH, side="top", gap=it.top[0], stiffness=it.top[1] * per_mass),
         Stop(name="bottom", x=LENGTH, side="bottom", gap=it.bottom[0], stiffness=it.bottom[1] * per_mass),
@@ -78,8 +79,8 @@ def bias(band: tuple[float, float]) -> tuple[float, float]:
 def shaken(
     solver: str, options: dict[str, int], duration: float, exact: dict[str, float], say: Say
 ) -> tuple[xr.Dataset, tuple[float, float], float]:
-    """Statistics over `duration` s under the first band that leaves out little enough, that band in Hz, and the larger
-    bias of u and u' over its interval; `exact` holds both root mean squares by their names in the dataset."""
+    """Statistics over `duration` s under the first band with a small enough bias, this band in Hz, and the larger bias
+    of u and u', divided by its interval; `exact` has both root mean squares by their names in the dataset."""
 
     def over_interval(band: tuple[float, float]) -> float:
         return max(left_out / width for left_out, width in zip(bias(band), widths, strict=True))
@@ -93,7 +94,7 @@ def shaken(
         part = over_interval(band)
         if part <= SMALL or not bands:
             return found, band, part
-        # Intervals hardly depend on the band: one that leaves out too much for these is not tried.
+        # Intervals hardly depend on the band: a band whose bias is too large for them is not tried.
         bands = [other for other in bands if over_interval(other) <= SMALL] or bands[-1:]
 
 

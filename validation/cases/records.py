@@ -1,9 +1,9 @@
 """Recorded base motion and forces: the interpolation between samples, and its motions by both solvers.
 
 Between samples an acceleration and a force are linear, a velocity is a quadratic spline and a displacement a cubic
-spline.  Both solvers read the same knots, so a mistake in the knots would be in both.  The witness of the case
-`pinned-beam` reads the samples itself and adds up one ramp a knot.  Recorded sines are compared with their closed form,
-and the motion of the base is integrated again.
+spline.  Both solvers use the knots of one interpolation, so a mistake in the knots would be in both.  The witness of
+the case `pinned-beam` therefore reads the samples itself, and adds up one ramp for each knot.  Recorded sines are
+compared with their closed form, and the motion of the base is integrated again.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ DURATION, RATE, OTHER_RATE = 0.06, 2000.0, 1300.0
 """Length, s, and sample rates, Hz: 120 samples of the base, 78 of a force."""
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=24), fe_lapjoint.Solver(elements=32))
 MISSED = {"displacement": 1e-5, "velocity": 3e-4, "slope": 1e-4}
-"""Error of 24 modes, or 32 elements, for the beam between two pins, over the largest value of its kind."""
-LEFT_OUT = 1e-8  # Truncation error of the witness, over the largest value of its kind
+"""Error of 24 modes, or 32 elements, for the beam between two pins, divided by the largest value of its kind."""
+LEFT_OUT = 1e-8  # Truncation error of the witness, divided by the largest value of its kind
 SINE, AMPLITUDE, SAMPLES = 170.0, 1.5e-3, 61  # Frequency, rad/s, amplitude, m, and number of samples, 0.17 rad apart
-BY_SAMPLING = 1 / 12  # Mean distance of a linear interpolant inside its sine, over the motion, in units of (omega h)^2
+BY_SAMPLING = 1 / 12  # Mean error of a linear interpolant of a sine, divided by the sine and (omega h)^2
 NEARLY = 0.3
-"""Relative change of that distance by the ends of the record, the start from rest, and other waves of the beam."""
+"""Relative change of `BY_SAMPLING` by the ends of the record, the start from rest, and other waves of the beam."""
 ROUNDED = 1e-9  # Relative rounding of integrals over some hundred knots
 NOISE = 1e-6  # Noise of alternating samples of a velocity, m/s
 GROWN = 8.0
-"""Largest acceleration in units of the noise over the time between samples.  A spline that forgets past samples
-gives 4 to 5; one that remembers each gives twice their number."""
-STRAIGHT = 1e-9  # Mean and trend that may remain, over the largest acceleration
+"""Largest acceleration, divided by the noise and multiplied by the time between samples.  A spline that forgets past
+samples gives 4 to 5; a spline that remembers every sample gives twice their number."""
+STRAIGHT = 1e-9  # Mean and trend that may remain, divided by the largest acceleration
 UNITS = {("acceleration", "g"): 9.80665, ("velocity", "mm/s"): 1e-3, ("displacement", "um"): 1e-6}
-"""SI units in each: the standard acceleration of free fall is that of the third CGPM, 1901."""
+"""SI units in each unit; the standard acceleration of free fall is by the third CGPM, 1901."""
 SHAKEN, SHAKEN_RATE, SHAKEN_SAMPLES = 200.0, 1e4, 301  # Acceleration, m/s2, sample rate, Hz, and number of samples
-FIRST = 3  # Contacts that are compared; the next one only grazes
+FIRST = 3  # Number of contacts that are compared; the next contact only grazes
 COARSE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=16), fe_lapjoint.Solver(elements=10))
-"""Solvers for these contacts: both state their discretisation error."""
+"""Solvers for the contacts; both state their discretisation error."""
 
 
 def noise(seed: int, count: int, size: float) -> FloatArray:
@@ -83,7 +83,7 @@ def recorded(quantity: str) -> str:
 
 
 def moved() -> Iterator[Check]:
-    """Both solvers against the sum over sines, one ramp a knot."""
+    """Both solvers against the sum over sines, with one ramp for each knot."""
     text, beam = shaken(), PinnedBeam.from_toml(shaken())
     points = [(x, t) for x in (0.3, 0.9) for t in (0.0213, 0.0577)]
     witness = np.array([exact(beam, x, t)[: len(MISSED)] for x, t in points])
@@ -99,7 +99,7 @@ def moved() -> Iterator[Check]:
 
 
 def sines() -> Iterator[Criterion]:
-    """A sine that was recorded against its closed form, over the error that sampling explains."""
+    """A recorded sine against its closed form; the error is divided by the error that sampling explains."""
     sine = f"{BEAM}[base_motion]\namplitude = {AMPLITUDE}\nangular_frequency = {SINE}\n"
     beam, places, t = PinnedBeam.from_toml(sine), np.array([0.3, 0.9]), np.linspace(0.0, DURATION, 41)
     closed = np.array([[beam.evaluate(x, when) for when in t] for x in places.tolist()])
@@ -156,7 +156,7 @@ def forgotten() -> Iterator[Criterion]:
 
 
 def taken_out() -> Iterator[Criterion]:
-    """Mean and trend left of a recorded acceleration, and of a recorded force, after their removal."""
+    """Mean and trend of a recorded acceleration, and of a recorded force, after their removal."""
     rate, x = (SAMPLES - 1) / DURATION, 1.0
     values = noise(7, SAMPLES, 2.0) + np.linspace(3.0, 5.0, SAMPLES)
     knots = np.linspace(0.0, DURATION, SAMPLES)
@@ -183,7 +183,7 @@ def contacts() -> Iterator[Check]:
 
 
 def stated(motion: History, i: int, name: str) -> Estimate:
-    """A number of a contact with its stated error; NaN where there is no such contact."""
+    """A number of a contact with its stated error; NaN if there is no such contact."""
     if i >= len(motion.contacts):
         return Estimate(math.nan, 0.0, motion.solver)
     contact = motion.contacts[i]

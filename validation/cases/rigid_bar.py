@@ -1,4 +1,5 @@
-"""Rigid bars between stops: both solvers, and the ground beneath them, against a witness of numpy and scipy alone."""
+"""Rigid bars between stops: both solvers, and the package that they share, against a witness of numpy and scipy
+alone."""
 
 from __future__ import annotations
 
@@ -20,22 +21,23 @@ from validation.references.rigid_bar_orbits import mirrors_itself, multipliers, 
 from validation.verdict import Check, Estimate, Kind
 
 SOFT, RATIO = 2.5e5, 4.0
-"""Bending stiffness, N m2, of the softer of two beams, and how many times as stiff the other is: both bend little."""
+"""Bending stiffness, N m2, of the softer of two beams, and the ratio of the other's to it: both bend little."""
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=5),
     fe_lapjoint.Solver(elements=1),  # and a node at every support, stop and load: the bar hardly bends
 )
 CURVED = 0.2
-"""Share of a change that is not proportional to 1 / EI: the next power is smaller by k L^3 / EI, 0.1 at most here."""
-UNSURE = {"velocity": 1.0}  # The share of a change where the ringing after an impact shows, which may have any sign
+"""Fraction of a change that is not proportional to 1 / EI: the next power is smaller by k L^3 / EI, at most 0.1
+here."""
+UNSURE = {"velocity": 1.0}  # As `CURVED`, for a number in which the ringing after an impact shows, with either sign
 DURATION = 1.2  # Length of the motion from the initial state, s: two to five excitation periods
 CONTACTS = 4  # Contacts compared one by one
 TIMES = np.array([0.0, 0.23, 0.51, 0.77, 1.09])  # Times at which the motion is compared, s
-ROUNDING = 1e-8  # Error of the witness by its differences and roots, over the largest of its kind
-CLOSED = 1e-8  # Error of the orbit over the motion: ten times what Newton's method leaves at most
+ROUNDING = 1e-8  # Error of the witness by its differences and roots, divided by the largest number of its kind
+CLOSED = 1e-8  # Error of the orbit, divided by the motion: ten times the largest residual of Newton's method
 PASSED = 3  # Periods of a march without a deviation
 FOLLOWED, MEASURED = 84, 64
-"""Periods over which a deviation is followed, and how many of them, the last ones, are measured."""
+"""Number of periods over which a deviation is followed, and number of the last of these that are measured."""
 FOLLOWED_IN = "springs"  # Bar whose leading multiplier is real, so that every period has the same growth
 EXACT = 1e-4  # Relative error of the growth along an orbit, measured after 20 periods, against the multiplier
 
@@ -136,7 +138,7 @@ angular_frequency = 26.0
 phase = 0.3
 """
 UNEVEN = MIRROR.replace("gap = 1.5e-3", "gap = 1.9e-3", 1)
-"""Between stops of unequal gaps, which no motion mirrors."""
+"""A bar between stops of unequal gaps, where no motion mirrors itself."""
 HARMONICS = (
     MIRROR.partition("[base_motion]")[0]
     + """[base_motion]
@@ -152,8 +154,79 @@ amplitude = 2e-4
 phase = 0.9
 """
 )
-"""Between equal stops, but moved by an even harmonic, too, which no motion mirrors either."""
-BARS = {"springs": SPRINGS, "mirror": MIRROR, "uneven": UNEVEN, "doubled": DOUBLED, "harmonics": HARMONICS}
+"""A bar between equal stops, but with an even harmonic of the base, so that no motion mirrors itself."""
+LADEN = """
+title = "Bar of two segments with masses, under gravity, between a pressing stop, a stop, and a wall fixed in space"
+[beam]
+length = 1.5
+contents_per_length = 0.9
+added_mass_per_length = 0.6
+[[beam.segments]]
+to = 0.6
+bending_stiffness = {stiffness}
+mass_per_length = 5.0
+[[beam.segments]]
+to = 1.5
+bending_stiffness = {stiffness}
+mass_per_length = 2.2
+[[supports]]
+x = 0.0
+translational = 1100.0
+[[supports]]
+x = 0.9
+translational = 1400.0
+torsional = 130.0
+[[masses]]
+x = 1.5
+mass = 0.8
+rotary_inertia = 0.05
+[[masses]]
+x = 0.6
+mass = 1.3
+[[stops]]
+x = 0.3
+side = "top"
+gap = -1.5e-3
+stiffness = 2600.0
+[[stops]]
+x = 1.2
+side = "bottom"
+gap = 2.6e-2
+stiffness = 4200.0
+[[stops]]
+x = 1.5
+side = "top"
+gap = -4.0e-3
+stiffness = 3300.0
+fixed_to = "space"
+[gravity]
+acceleration = -2.7
+[[uniform_loads]]
+from = 0.75
+force_per_length = -6.0
+[[uniform_loads]]
+from = 0.15
+to = 0.45
+force_per_length = 11.0
+[damping]
+kind = "modal"
+ratio = [0.04, 0.07, 0.6]
+[base_motion]
+amplitude = 6e-3
+angular_frequency = 13.0
+phase = 0.4
+[initial]
+kind = "polynomial"
+velocity = [0.03, -0.04]
+"""
+BARS = {
+    "springs": SPRINGS,
+    "mirror": MIRROR,
+    "uneven": UNEVEN,
+    "doubled": DOUBLED,
+    "harmonics": HARMONICS,
+    "laden": LADEN,
+}
 
 
 @dataclass(frozen=True)
@@ -163,7 +236,7 @@ class Quantity:
     name: str
     unit: str
     kind: str
-    """Kind of the number: numbers of a kind are of one size, and share one uncertainty."""
+    """Kind of the number: numbers of a kind have similar sizes, and one uncertainty."""
 
 
 @dataclass(frozen=True)
@@ -211,7 +284,7 @@ def quantities(it: Witnessed) -> list[tuple[Quantity, float]]:
         found.append((Quantity(f"steady: impulse of stop {k + 1} per excitation period", "N s", "steady"), impulse))
     leading = multipliers(it.periodic)[0]
     found.append((Quantity("steady: modulus of the leading multiplier", "1", "multiplier"), float(abs(leading))))
-    if it.bar.damping_is_modal:  # else all multipliers have one modulus, and which leads is chance
+    if it.bar.damping_is_modal:  # else all multipliers have one modulus, and the leading one is arbitrary
         found.append((Quantity("steady: leading multiplier, real part", "1", "multiplier"), float(leading.real)))
     return found
 
@@ -234,13 +307,13 @@ def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]
 
 
 def _closings(history: History) -> int:
-    """Number of contacts in one period of the motion; a contact that the section point cuts counts once."""
+    """Number of contacts in one period of the motion; a contact at the section point counts once."""
     return sum(not contact.open_start for contact in history.contacts)
 
 
 def to_the_limit(soft: FloatArray, stiff: FloatArray, kinds: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-    """Numbers of the rigid bar from those of two beams, and their uncertainty.  The effect of bending is proportional
-    to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
+    """Numbers of the rigid bar, extrapolated from two beams, and their uncertainty.  The effect of bending is
+    proportional to 1 / EI, and the uncertainty is a fraction of the largest change of a kind."""
     change = stiff - soft
     largest = {kind: np.max(np.abs(change[[k == kind for k in kinds]])) for kind in kinds}
     return stiff + change / (RATIO - 1), np.array([UNSURE.get(kind, CURVED) * largest[kind] for kind in kinds])
@@ -280,8 +353,8 @@ def compared(label: str, text: str, say: Say) -> list[Check]:
 def growth_on_orbit(
     label: str, solver: analytic.Solver | fe_lapjoint.Solver, problem: Problem, steady: SteadyState
 ) -> Iterator[Check]:
-    """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| over time.
-    The impulses of these marches are compared too."""
+    """The Lyapunov exponent of a stable orbit, from a deviation that is followed, against ln |multiplier| / period.
+    The impulses of these marches are also compared."""
     period_map = solver.period_map(problem)
     start = steady.section_point
     deviation = np.ones(period_map.difference(start, start).size)

@@ -1,7 +1,7 @@
-"""An outside benchmark: Code_Aster's validation case SDND101 (V5.01.101), one mass against one elastic stop.
+"""An independent benchmark: Code_Aster's validation case SDND101 (V5.01.101), one mass against one elastic stop.
 
-The mass is a free beam that hardly bends, over a spring and a stop at its middle.  It starts with one velocity all
-along and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
+The mass is a free beam that hardly bends, with a spring and a stop at its middle.  It starts with a uniform velocity,
+and does not turn.  While the stop is closed, with omega^2 = (k + k_stop) / m,
 
     z = v sin(omega t) / omega.
 
@@ -26,16 +26,16 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 QUANTITIES = {"peak force": ("N", "peak_force"), "time in contact": ("s", "contact"), "impulse": ("N s", "impulse")}
 """Unit, and key in the references."""
 SOFT = 1e8
-"""Bending stiffness, N m2, of the softer of two beams of 1 m; the other is `RATIO` times as stiff."""
+"""Bending stiffness, N m2, of the softer of two beams of 1 m; the other one is `RATIO` times as stiff."""
 ROUNDING = 1e-10  # Relative error to which solvers find a switch and an extremum
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=8),
     fe_lapjoint.Solver(elements=2),
 )
-NOT_CONFIRMED = "impulse"  # Quantity that the document's own equation does not give to the digits printed
+NOT_CONFIRMED = "impulse"  # Quantity whose printed digits disagree with the document's own equation
 MISPRINT = (1.0e-4, 2.0e-4)
 """Range of the relative excess of the printed impulse over the impulse by the document's equation, force and time in
-contact; outside of it the difference would need another explanation."""
+contact; a difference outside the range would need another explanation."""
 
 
 @dataclass(frozen=True)

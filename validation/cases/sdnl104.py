@@ -39,8 +39,8 @@ def run(level: Level, say: Say) -> CaseResult:
     """Both solvers against the converged values and against each other."""
     problem, finest = sdnl104(), {"quick": 64, "standard": 128, "full": 256}[level]
     say("analytic and FE")
-    # An undamped beam under a step load rings in all its modes, those that a mesh holds badly too: convergence is
-    # not that of the frequencies; second order is what may be relied on.
+    # An undamped beam under a step load rings in all its modes, also in modes that a mesh resolves badly.  Motions
+    # therefore converge more slowly than frequencies, and only second order is assumed.
     solvers: dict[str, tuple[list[analytic.Solver] | list[fe_lapjoint.Solver], float, float]] = {
         "analytic": (analytic_levels(problem, 1.5), 1.5, 3.0),
         "FE": (fe_levels(finest), 2.0, 2.0),

@@ -1,4 +1,4 @@
-"""Which findings stand when the joint is another: density, damping kind, gaps, stiffnesses."""
+"""Which findings remain true for variants of the joint: density, kind of damping, gaps, stiffnesses."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from validation.verdict import Criterion
 
 RATIO = 0.08  # Modal damping ratio of the paper's joint
 PEAKS = {515.0: 30.0, 820.0: 30.0, 2950.0: 80.0}
-"""Frequencies of the peaks, and the half width in which each is sought, rad/s."""
+"""Frequencies of the peaks, and the half width in which each peak is searched, rad/s."""
 WINDOWS = (1398.5, 2060.5, 2160.5)  # Frequencies at which the paper's motions do not settle, rad/s
-SYMMETRIC = 1e-3  # Largest difference of the two tip stops' impulses over the larger impulse
+SYMMETRIC = 1e-3  # Largest difference of the impulses of both tip stops, divided by the larger impulse
 LIGHT = "viscous damping"
 WORKERS = 2
 
@@ -35,7 +35,7 @@ def scaled(problem: Problem, **factors: float) -> Problem:
 
 
 def viscous() -> Problem:
-    """The joint with equation (1) taken literally: C is as large as the ratio requires in the first free mode."""
+    """The joint with the viscous damping of equation (1): C gives the damping ratio in the first free mode."""
     problem = paper_joint()
     omega = float(analytic.Solver().modes(problem, FREE, 1).angular_frequencies[0])
     return problem.replace(damping=ViscousDamping(coefficient=2 * RATIO * omega * problem.beam.m))
@@ -54,19 +54,19 @@ VARIANTS: dict[str, Callable[[], Problem]] = {
 
 @dataclass(frozen=True)
 class Findings:
-    """The findings of the base case, in a variant."""
+    """The findings of the base case, as found in a variant."""
 
     peaks: tuple[tuple[float, float], ...]
     """Frequency, rad/s, and tip impulse, N s, of the three peaks."""
     settled: int
-    """Windows in which the motion is symmetric, stable, and of period one."""
+    """Number of `WINDOWS` in which the motion is symmetric, stable, and of period one."""
     periodic: int | None
-    """Frequencies of the whole curve with a stable periodic motion; None if the curve was not computed."""
+    """Number of frequencies of the whole curve with a stable periodic motion; None if the curve was not computed."""
     points: int
 
     @property
     def ratios(self) -> tuple[float, float]:
-        """Second to first, and third to second peak."""
+        """Ratios of the second to the first, and of the third to the second peak."""
         first, second, third = (height for _, height in self.peaks)
         return second / first, third / second
 
@@ -88,7 +88,7 @@ def findings(problem: Problem, points: int, solver: str = "analytic") -> Finding
 
 
 def periodic(problem: Problem, points: int) -> int:
-    """At how many frequencies of the whole curve the motion is periodic and stable, analytic."""
+    """Number of frequencies of the whole curve with a stable periodic motion, by the analytic solver."""
     whole = curve(problem, tuple(np.linspace(5000.0 / points, 5000.0, points)))
     return sum(
         int(whole.outcome_is(outcome).sum()) for outcome in (Outcome.NO_CONTACT, Outcome.PERIODIC, Outcome.CHATTERING)
@@ -96,10 +96,10 @@ def periodic(problem: Problem, points: int) -> int:
 
 
 def run(level: Level, say: Say) -> CaseResult:
-    """Every variant by the analytic solver, and the one that differs most by finite elements."""
+    """Every variant by the analytic solver, and the variant that differs most also by finite elements."""
     points = {"quick": 25, "standard": 100, "full": 500}[level]
     rows, found = [], {}
-    # Where damping is light, motions settle slowly or never.
+    # With light damping, motions settle slowly or never.
     counts = [points if label != LIGHT else 0 if level == "quick" else 25 for label in VARIANTS]
     with process_pool(WORKERS) as pool:
         answers = pool.map(findings, [variant() for variant in VARIANTS.values()], counts)

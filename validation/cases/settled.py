@@ -1,8 +1,9 @@
 """Does a march from rest end on the motion that the search certifies?
 
-A search that accepts a motion too early, accepts an unstable motion, or assumes a symmetry that does not exist may be
-wrong in both solvers alike, for they share it.  Each solver is therefore judged by its own march: by `simulate`, which
-knows neither orbits nor Newton's method, over enough decay times that nothing of the transient is left.
+The search is shared by both solvers.  If it accepts a motion too early, accepts an unstable motion, or assumes a
+symmetry that does not exist, both solvers are wrong in the same way.  Each solver is therefore compared with its own
+march: with `simulate`, which uses neither orbits nor Newton's method, over so many decay times that nothing of the
+transient is left.
 """
 
 from __future__ import annotations
@@ -24,17 +25,17 @@ from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 SOLVERS: tuple[Solver, ...] = (analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=3))
-"""Coarse solvers, for each is compared with itself alone."""
+"""Coarse solvers, as each solver is compared only with itself."""
 DECAY_TIMES = 20.0
-"""Length of a march in decay times of the slowest free vibration: exp(-20) = 2e-9 of its transient is left.  A
-motion with contacts may be slower than free vibration; the slowest multiplier here, 0.93 over three periods, leaves
-less."""
+"""Length of a march in decay times of the slowest free vibration: exp(-20) = 2e-9 of its transient is left.  A motion
+with contacts may decay more slowly than free vibration; with the slowest multiplier here, 0.93 over three periods, less
+is left."""
 WATCHED = 24  # Periods at the end of a march whose section points are compared
-LONGEST = 8  # Largest period multiple of a motion that is tried
-SAME = 1e-3  # Distance over the size of the motion below which two section points are one; other phases differ by more
-EQUAL = 1e-4  # Relative difference of impulses of an orbit marched and found; coarse modes leave jumps at switches
+LONGEST = 8  # Largest period multiple that is tried
+SAME = 1e-3  # Distance of two equal section points, divided by the size of the motion; other phases differ by more
+EQUAL = 1e-4  # Relative difference of impulses between the march and the orbit; coarse modes leave jumps at switches
 POINTS = 9  # Points along the beam at which section points are compared
-WITNESS = 0.05  # Loss of energy and impulses with six modes, or three elements, over the motion
+WITNESS = 0.05  # Relative error of energy and impulses with six modes, or three elements
 
 JOINT = """
 title = "{title}"
@@ -83,20 +84,21 @@ JOINTS = {
         "Equal gaps, light damping", 2.555, 0.02, (1.0, "top", 9.873e-4, 100.0), (1.0, "bottom", 9.873e-4, 100.0)
     ),
 }
-"""The first has a stable motion without contact, near which a march seems to be early on.  The second has a stable
+"""The first joint has a stable motion without contact, to which a march seems near at first.  The second has a stable
 motion of one period, but rest is not in its basin.  No motion of the third mirrors itself.  The motion of the fourth
-mirrors itself, and a search that misses this calls it not symmetric."""
+mirrors itself, and a search that misses this calls the motion not symmetric."""
 
 CHAOTIC = {"chaos": joint("Never the same again", 5.8, 0.008, (1.0, "top", 6e-3, 200.0))}
-"""A joint whose exponent is ten standard errors above zero, and beside whose motion no stable motion was found."""
+"""A joint whose exponent is ten standard errors above zero, and for which no stable motion was found."""
 
 FINE: dict[str, Solver] = {
     SOLVERS[0].name: analytic.Solver(n_modes=24),
     SOLVERS[1].name: fe_lapjoint.Solver(elements=12),
 }
-"""Solvers four times as fine: their errors are a sixteenth at most, for errors fall with the second power or faster."""
-ESTIMATED = ("uneven",)  # Joints whose stated errors are judged: the orbit is the same at every resolution
-LAVISH = 60.0  # Largest stated error over the true one: the stated error is a bound, but must be informative
+"""Solvers four times as fine: their errors are at most a sixteenth, because errors fall with the second power or
+faster."""
+ESTIMATED = ("uneven",)  # Joints whose stated errors are judged: the march ends on one orbit at every resolution
+LAVISH = 60.0  # Largest stated error, divided by the true error: the stated error is a bound, but must be informative
 
 
 @dataclass(frozen=True)
@@ -104,7 +106,7 @@ class End:
     """The end of a march from rest."""
 
     multiple: int
-    """Excitation periods after which the motion repeats; 0 if it does not after `LONGEST`."""
+    """Excitation periods after which the motion repeats; 0 if it does not repeat within `LONGEST`."""
     impulses: FloatArray
     """Impulse of each stop per excitation period, N s, shape ``(stops,)``."""
     periods: int
@@ -118,9 +120,9 @@ def decay_time(problem: Problem) -> float:
 
 
 def end_of_march(solver: Solver, problem: Problem) -> End:
-    """The end of a march from rest that is so long that nothing of the transient is left."""
+    """The end of a march from rest, so long that nothing of the transient is left."""
     period = problem.require_excitation_period("march")
-    # as many periods as a motion of any of the multiples goes into
+    # a number of periods that every tried multiple divides
     periods = math.ceil(DECAY_TIMES * decay_time(problem) / period) + WATCHED
     history = solver.simulate(problem, periods * period, errors=False)
     multiple = repeats(history, periods, period)
@@ -139,7 +141,8 @@ def repeats(history: History, periods: int, period: float) -> int:
 
 
 def impulses_after(history: History, start: float) -> FloatArray:
-    """Impulse of each stop from a time on, N s; a contact that the time cuts counts by the integral of its force."""
+    """Impulse of each stop after a time, N s; of a contact at this time, the later part, by the integral of its
+    force."""
     total = np.zeros(len(history.problem.stops))
     for contact in history.contacts:
         if contact.start >= start:
@@ -148,12 +151,12 @@ def impulses_after(history: History, start: float) -> FloatArray:
             t = np.linspace(start, contact.end, 401)
             total[contact.stop] -= np.trapezoid(
                 history.contact_force(t)[contact.stop], t
-            )  # the force is that on the beam
+            )  # the sign is of the force on the beam
     return total
 
 
 def compared(label: str, solver: Solver, steady: SteadyState, end: End) -> Iterator[Check | Criterion]:
-    """The motion found against the end of the march, which the search need not march beyond."""
+    """The motion found by the search, against the end of the march; the search must not have needed a longer march."""
     how = f"march of {end.periods} periods"
     found = Estimate(float(steady.period_multiple), 0.0, "search")
     marched = Estimate(float(end.multiple), 0.0, how, Kind.ANALYTICAL)
@@ -170,7 +173,7 @@ def compared(label: str, solver: Solver, steady: SteadyState, end: End) -> Itera
 
 
 def lasting(label: str, solver: Solver, problem: Problem) -> Iterator[Check | Criterion]:
-    """A motion that does not repeat, against the end of a march, and the time over which it was seen not to repeat."""
+    """A motion that does not repeat, against the end of a march, and the time over which its exponent was measured."""
     steady, end = solver.steady_state(problem, sensitivity=False, errors=False), end_of_march(solver, problem)
     found = Estimate(float(steady.period_multiple), 0.0, "search")
     marched = Estimate(float(end.multiple), 0.0, f"march of {end.periods} periods", Kind.ANALYTICAL)
@@ -182,7 +185,7 @@ def lasting(label: str, solver: Solver, problem: Problem) -> Iterator[Check | Cr
 
 
 def estimated(label: str, solver: Solver, problem: Problem, steady: SteadyState) -> Iterator[Criterion]:
-    """Stated errors of impulses over true ones, which a finer solver shows."""
+    """Stated errors of impulses, divided by true errors, which a finer solver shows."""
     fine = FINE[solver.name].steady_state(problem, sensitivity=False, errors=False)
     assert steady.impulse_errors is not None
     true = float(np.abs(steady.impulses - fine.impulses).max())
@@ -202,7 +205,7 @@ def run(level: Level, say: Say) -> CaseResult:
             if label in ESTIMATED:
                 items += estimated(label, solver, problem, steady)
         say(label)
-    for label, problem in CHAOTIC.items():  # the search is shared: one solver will do
+    for label, problem in CHAOTIC.items():  # the search is shared, so one solver is enough
         items += lasting(label, SOLVERS[0], problem)
         say(label)
     checks = tuple(item for item in items if isinstance(item, Check))

@@ -1,9 +1,9 @@
-"""Both solvers under one random excitation: the same contacts until chaos parts them, the same statistics beyond.
+"""Both solvers under one random excitation: equal contacts until chaos parts the motions, and equal statistics later.
 
 A cantilever between two stiff stops is shaken at random.  Nearby motions part exponentially, so the error of each
-solver grows until it is as large as the motion.  A twin, the motion of one solver from a slightly displaced initial
-state, shows the rate: the mean largest Lyapunov exponent over that stretch of the excitation.  The two solvers must
-part at this rate.
+solver grows until it is as large as the motion.  A *twin*, the motion of one solver from a slightly displaced initial
+state, shows the rate of this growth: the mean of the largest Lyapunov exponent over this stretch of the excitation.
+The two solvers must part at this rate.
 """
 
 from __future__ import annotations
@@ -37,31 +37,32 @@ GAPS, STIFFNESS = {"top": 2e-3, "bottom": 2.6e-3}, 1.6e4
 LOW, HIGH, DENSITY = 3.0, 60.0, 4.0
 """Band, Hz, and density, (m/s2)^2/Hz, of the base's acceleration; the lowest mode has 5.6 Hz."""
 SEEDS = (1, 2, 3, 5)
-"""Seeds of the excitations under which motions are followed until they part; statistics are of motions under the first.
+"""Seeds of the excitations under which motions are followed until they part; statistics are made under the first seed.
 Under seed 4 the 52nd contact is a graze, which only one solver finds."""
-FOLLOWED = 2.0  # Length of the motions that are followed, s: they have parted after 0.9 to 1.5 s
+FOLLOWED = 2.0  # Length of the motions, s: the solvers part after 0.9 to 1.5 s
 FINE: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=32), fe_lapjoint.Solver(elements=32))
 """Solvers for the motions until they part: both state their errors."""
 MOVED = 1e-6
-"""Initial velocity of the tip of the twin, m/s: its distance is 1e-7 m at first, a tenth of that of the solvers, and
-a million times rounding."""
-PARTED = 1e-4  # Largest distance of two motions, m, that grows as a small one: a twentieth of a gap
+"""Initial velocity of the tip of the twin, m/s: the first distance of the twin is 1e-7 m, a tenth of the distance of
+the solvers, and a million times rounding."""
+PARTED = 1e-4  # Largest distance of two motions with linear growth, m: a twentieth of a gap
 KNOWN = 2e-3  # Largest stated error of the start of a contact that is compared, s: contacts last 11 ms on average
-FEWEST = 30  # Least number of contacts with such an error before chaos parts the motions; there are 44 to 89
+FEWEST = 30  # Least number of contacts with this error before the motions part; there are 44 to 89
 BEGUN = 0.2  # Time after which the first contacts are over, s
 STEP = 0.02  # Time between two measurements of the distance, s
 PLACES = np.linspace(0.2, 1.0, 5)  # Positions at which the distance is measured, m
 WITHIN = np.linspace(-0.05, 0.0, 6)
-"""Times relative to a measurement over which the distance is a root mean square, s: part of a swing of the beam."""
-LINES = 2.0  # Departures from a straight line by which the growth between two times may be off: one at each end
+"""Times relative to a measurement over which the root mean square of the distance is taken, s: a part of a swing of the
+beam."""
+LINES = 2.0  # Error of the growth between two times, in departures from a straight line: one at each end
 LEAST_GROWTH = 30.0  # Least growth of the distance for which a rate is fitted
 COARSE = {"analytic": {"n_modes": 12}, "fe": {"elements": 8}}
 DURATION = {"quick": 110.0, "standard": 400.0, "full": 1500.0}
-"""Length, s, of which seven decay times, 7 s, are left out: the solvers have parted by then."""
+"""Length, s, without whose first seven decay times, 7 s, statistics are made: the solvers have parted then."""
 TRUNCATED = 5e-3  # Relative discretisation error of the coarse solvers
 TOGETHER = 0.999
-"""Probability with which all intervals hold together.  Chaos amplifies rounding, so that each kind of processor is a
-new draw."""
+"""Probability with which all intervals are right together.  Chaos amplifies rounding, so each kind of processor is a
+new random draw."""
 
 
 def joint(seed: int, moved: float = 0.0) -> Problem:
@@ -78,7 +79,7 @@ def joint(seed: int, moved: float = 0.0) -> Problem:
 
 
 def known(motions: tuple[History, History]) -> list[int]:
-    """Indices of the contacts, from the first on, whose start both solvers know to `KNOWN`."""
+    """Indices of the contacts before the first one whose start a solver does not know to `KNOWN`."""
     found = []
     for i, pair in enumerate(zip(*(motion.contacts for motion in motions), strict=False)):
         if max(math.inf if c.start_error is None else c.start_error for c in pair) > KNOWN:
@@ -108,14 +109,14 @@ def distance(one: History, other: History, t: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Growth:
-    """How a distance grows."""
+    """The exponential growth of a distance."""
 
     rate: float
     """Rate of the exponential, 1/s."""
     uncertainty: float
     """Uncertainty of the rate, 1/s."""
     times: float
-    """Growth of the straight line's exponential from the first time to the last."""
+    """Factor of growth from the first time to the last, by the fitted exponential."""
 
 
 def growth(t: FloatArray, distances: FloatArray) -> Growth:

@@ -1,7 +1,7 @@
-"""Contacts of bars that do not ring: with an overdamped mode, and with a mode that no spring holds.
+"""Contacts of bars that do not ring: with an overdamped mode, and with a rigid-body mode that no spring holds.
 
 Each solver has special formulas for these modes: in the march, in the search for contacts, and for deviations.  Both
-solvers are fine enough here that only these formulas can differ.
+solvers are so fine here that only errors in these formulas can make them differ.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ x = 1.0
 force = 4.0
 """
 )
-"""A bar that a load presses against one of the stops, from which the base throws it off."""
+"""A bar that a load presses against one of the stops, and that the base throws off the stop."""
 BARS = {"sluggish": SLUGGISH, "hinged": HINGED}
 SOLVERS: tuple[analytic.Solver, fe_lapjoint.Solver] = (analytic.Solver(n_modes=12), fe_lapjoint.Solver(elements=4))
 DURATION = 1.2  # Length of the motion, s
 CONTACTS = 4  # Contacts compared one by one
-FINE = 1e-5  # Error of modes and elements over the largest of a kind; the bending of a nearly rigid bar is small itself
+FINE = 1e-5  # Error of modes and elements, divided by the largest number of a kind; a nearly rigid bar hardly bends
 QUANTITIES = (("stop", "1"), ("impact", "s"), ("rebound", "s"), ("impulse", "N s"), ("peak force", "N"))
 
 

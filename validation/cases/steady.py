@@ -44,9 +44,9 @@ class Point:
     fe: tuple[Estimate, ...]
     criteria: tuple[Criterion, ...]
     same_period: Check
-    """Whether both motions repeat after as many excitation periods."""
+    """Comparison of the numbers of excitation periods after which both motions repeat."""
     explanation: str = ""
-    """Why the two solvers end on different motions, where they do and that is known."""
+    """The known reason if the two solvers end on different motions; else empty."""
 
 
 def _finest(level: Level) -> int:
@@ -87,7 +87,7 @@ def compare_steady(problem: Problem, finest: int) -> Point:
 
 def _estimates(levels: list[SteadyState], ratio: float, order: float, refined: Refined) -> tuple[Estimate, ...]:
     impulses = np.array([steady.impulses for steady in levels])
-    # Newton stops at 1e-9 of the motion, and an impulse is a few percent of what the motion could give.
+    # Newton's method ends at 1e-9 of the motion, and an impulse is some per cent of the largest possible one.
     return refined_vector(impulses, ratio, order, refined, floor=1e-8, floor_source=ErrorSource.ORBIT)
 
 

@@ -1,9 +1,8 @@
 """Statistics, summaries of steady states and time series of a motion, by plain sums and closed forms.
 
-`lapjoint.statistics` takes a motion in stretches and samples it sparsely.  Here numpy sums up the whole motion, densely
-sampled, with the textbooks' intervals.  A steady state without contact is a sine of known amplitude; a steady state
-with contacts is summed up from its own samples.  Time series of a beam on two pins are compared with the sum over its
-sines.
+`lapjoint.statistics` reads a motion in stretches and samples it sparsely.  Here numpy sums up the whole motion, densely
+sampled, and takes textbook intervals.  A steady state without contact is a sine of known amplitude; a steady state with
+contacts is summed up from its own samples.  Time series of a beam on two pins are compared with the sum over its sines.
 """
 
 from __future__ import annotations
@@ -88,19 +87,19 @@ LOAD_SEED = 40
 DENSE = 4096.0  # Sample rate of the witness, Hz: 11 samples in a period of the fastest of four modes
 SPARSE = 64.0
 """Sample rate of the statistics, Hz: six in a period of the slowest mode, so that few samples are near a peak."""
-SURE = 4.0  # Standard deviations by which sparse samples may be off: chance exceeds it once in 16 000 times
+SURE = 4.0  # Largest error by sparse samples, in standard deviations: chance exceeds it once in 16 000 cases
 ROUNDING = 1e-9  # Relative rounding between a march evaluated as a whole and in stretches
 PEAK = 2e-3  # Relative error of a peak between dense samples, or between samples refined around the largest one
 SAME_BATCHES = 0.2  # Relative difference of the widths of intervals from sparse samples and from dense ones
 STEADY = ShakenCantilever(length=0.9, stiffness=40.0, mass=0.8, damping=9.0)
 AMPLITUDE, OMEGA = 2e-3, 37.0  # Amplitude, m, and frequency, rad/s, of the base's motion
 LEFT_OUT = 1e-4
-"""Error of 24 modes and the static residual for a harmonic motion far below the last mode, over the largest of its
-kind."""
-MIDPOINTS = 2**15  # Dense samples of a period: where a force has a kink at a switch, the sum is off by 1e-8
+"""Error of 24 modes and the static residual for a harmonic motion far below the last mode, divided by the largest
+number of its kind."""
+MIDPOINTS = 2**15  # Number of dense samples of a period: a kink of a force at a switch makes an error of 1e-8
 BY_MIDPOINTS = 1e-5  # Relative tolerance of the midpoint sums, a margin over 1e-8
 SERIES_RATE, SERIES_DURATION = 700.0, 0.14
-"""Sample rate, Hz, and length, s: no two phases of a load are a whole number of samples apart."""
+"""Sample rate, Hz, and length, s: the phases of the loads do not differ by whole numbers of samples."""
 
 
 def problem(realisation: int) -> Problem:
@@ -126,7 +125,7 @@ class Plain:
 
     motion: History
     start: float
-    """Time before which the motion is left out, s."""
+    """Time at which the part that counts begins, s."""
 
     @cached_property
     def t(self) -> FloatArray:
@@ -151,7 +150,7 @@ class Plain:
 
     @cached_property
     def forces(self) -> FloatArray:
-        """Forces of the stops, N, shape ``(stops, m)``, by the law that the file gives."""
+        """Forces of the stops, N, shape ``(stops, m)``, by gaps and stiffnesses in the file."""
         found = []
         for stop in self.motion.problem.stops:
             z = (1 if stop.side == "top" else -1) * self.motion.displacement(stop.x, self.t)[0]
@@ -209,8 +208,8 @@ def batched(t: FloatArray, values: FloatArray, edges: FloatArray) -> FloatArray:
 
 
 def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterator[Check]:
-    """Rates, shares of time, impulses and forces of each stop, with intervals, and the rate of peak forces above each
-    edge."""
+    """Rates, fractions of time, impulses and forces of each stop, with intervals, and the rate of peak forces above
+    each edge."""
     unit = edges[1] - edges[0]
     for k, stop in enumerate(plain[0].motion.problem.stops):
         where = f"of stop {k + 1}"
@@ -267,7 +266,7 @@ def chosen(values: xr.DataArray, at: dict[str, float]) -> xr.DataArray:
 
 
 def of_units(found: xr.Dataset) -> Iterator[Check | Criterion]:
-    """Length of the units against the decay time of the slowest mode, and the length that is left out."""
+    """Length of the units, and of the part that is left out, against the decay time of the slowest mode."""
     decay = 1 / (DAMPING * LOWEST)
     yield Criterion("units", "1", float(found.attrs["units"]), SEEDS * UNITS, SEEDS * UNITS, "as many fit")
     for name, most in (("unit_duration", 20.0), ("settle", 7.0)):
@@ -328,7 +327,7 @@ def steady_with_contacts() -> Iterator[Check]:
 
 
 def series() -> Iterator[Check | Criterion]:
-    """Time series of the beam on two pins against its sines, at times that the witness counts itself."""
+    """Time series of the beam on two pins against its sines, at times that the witness computes itself."""
     joint, beam, places = from_toml(LOADED), PinnedBeam.from_toml(LOADED), (0.3, 0.9)
     motion = analytic.Solver(n_modes=24).simulate(joint, SERIES_DURATION, errors=False)
     names = {"displacement": 0, "velocity": 1, "moment": 3, "shear": 4}
@@ -357,7 +356,7 @@ def series() -> Iterator[Check | Criterion]:
 
 
 def forces(plain: Plain) -> Iterator[Check]:
-    """The forces of a series, at the hardest contact of each stop, against the law of the stop."""
+    """The forces of a series, at the hardest contact of each stop, against the stop's force law."""
     stops = plain.motion.problem.stops
     found = time_series(plain.motion, quantities=["force"], rate=DENSE)["force"].values
     first = round(plain.t[0] * DENSE)

@@ -22,12 +22,12 @@ MISPRINTS = {(5.0, 3, 2), (5.0, 5, 2)}  # Misprints of Table 4 by k*, state and 
 
 
 def numbers(states: str) -> tuple[int, ...]:
-    """The states of a row, as in "2, 4"."""
+    """The states of a row of the table, from a text such as "2, 4"."""
     return tuple(int(state) for state in states.split(", "))
 
 
 def printed(k_star: float, state: int) -> tuple[Printed, ...]:
-    """The printed frequencies of a state; empty where the paper has none."""
+    """The printed frequencies of a state; empty if the paper prints none."""
     for states, values in PRINTED.get(k_star, {}).items():
         if state in numbers(states):
             return values

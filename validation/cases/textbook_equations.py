@@ -5,7 +5,7 @@ b^3) and T = kt L / (EI b), a free beam on a translational spring k and a torsio
 
     (1 - cos b cosh b) - T (sin b cosh b + cos b sinh b) - K (sin b cosh b - cos b sinh b) + K T (1 + cos b cosh b) = 0
 
-Every equation is divided by cosh b or the like, so that nothing overflows.  Nothing here comes from `analytic`.
+Every equation is divided by cosh b or a similar factor, so that nothing overflows.  No code of `analytic` is used.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def _root_springs(b: float) -> float:
 def _middle_spring(b: float) -> float:
     h = b / 2
     symmetric = 4 * b**3 * math.cos(h) + _KAPPA * (math.sin(h) - math.cos(h) * math.tanh(h))
-    return symmetric * math.sin(h)  # the others have a node at the spring
+    return symmetric * math.sin(h)  # the antisymmetric modes have a node at the spring
 
 
 def _support(x: float, translational: float, torsional: float) -> Support:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WITNESS_TOLERANCE = 2e-5
-"""Error of truncation and of element interpolation at the finest level here, over the size of the motion."""
+"""Error of truncation and of element interpolation at the finest level, divided by the size of the motion."""
 
 
 def run(level: Level, say: Say) -> CaseResult:
@@ -58,7 +58,8 @@ def contact_table(checks: list[Check]) -> Table:
 
 
 def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
-    """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic one."""
+    """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic
+    solver."""
     stops = exact.problem.stops
     x = max(stop.x for stop in stops) if stops else exact.problem.beam.length
     t = np.linspace(exact.start, min(exact.end, fe.end), 900)
@@ -72,7 +73,7 @@ def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
 
 
 def energy_drawing(title: str, exact: History, fe: History) -> Drawing:
-    """Energy in the joint, supply by the base, and so dissipation by damping, as the witness computes them."""
+    """Energy in the joint, energy supplied by the base and, as their difference, energy dissipated, by the witness."""
     t = np.linspace(exact.start, min(exact.end, fe.end), 600)
 
     def paint(axes: Axes) -> None:

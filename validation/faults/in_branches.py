@@ -120,7 +120,7 @@ BRANCHES = (
     Fault(
         "branch-stable",
         "a certificate too lenient",
-        "lapjoint:_points",
+        "lapjoint:_is_stable",
         "Motions with multipliers up to two count as stable.",
         old="abs(...) < 1",
         new="abs(...) < 2",
@@ -128,18 +128,18 @@ BRANCHES = (
     Fault(
         "branch-peak-of-impulse",
         "off by one",
-        "lapjoint:_points",
+        "lapjoint:_peak_forces",
         "Largest forces are the largest impulses.",
-        old="c[4]",
-        new="c[3]",
+        old="one.peak_force",
+        new="one.impulse",
     ),
     Fault(
         "branch-point-before",
         "off by one",
-        "lapjoint:_bifurcations",
+        "lapjoint:_located",
         "A bifurcation is told to lie two points early.",
-        old='starts[i] + row["index"]',
-        new='starts[i] + row["index"] - 2',
+        old='first + row["index"]',
+        new='first + row["index"] - 2',
     ),
     Fault(
         "basin-velocity",

@@ -16,10 +16,10 @@ GROUND = (
     Fault(
         "gap-of-the-force",
         "a gap read wrong",
-        "lapjoint:History.contact_force",
+        "lapjoint:penetration_of",
         "The force law takes gaps that are 1 % too wide.",
-        old="[stop.gap]",
-        new="[1.01 * stop.gap]",
+        old="sign * seen - gap",
+        new="sign * seen - 1.01 * gap",
     ),
     Fault(
         "rectangle",

@@ -87,6 +87,7 @@ class Solver:
     def modes(self, problem: Problem, state: ContactState = FREE, count: int = MODES) -> Modes:
         """The lowest `count` modes of a contact state by OpenSees' dense eigensolver.  See
         `lapjoint.solver.Solver.modes`."""
+        check_beam(problem)
         free = 2 * mesh(problem, self.elements).size
         free -= sum(math.isinf(k) for s in problem.supports for k in (s.translational, s.torsional))
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= free:
@@ -153,8 +154,20 @@ class Solver:
         )
 
 
+def check_beam(problem: Problem) -> None:
+    """Refuse a beam whose modes OpenSees is not asked for: with masses, or with steps."""
+    if problem.masses:
+        raise InputError("masses: the OpenSees solver knows beams without masses only")
+    if len({(piece.EI, piece.inertia) for piece in problem.beam.pieces}) > 1:
+        raise InputError("beam.segments: the OpenSees solver knows beams of one stiffness and mass only")
+
+
 def check_problem(problem: Problem) -> None:
     """Refuse a problem that OpenSees cannot express, or that it starts wrongly, as it begins with zero acceleration."""
+    check_beam(problem)
+    for name, loads in (("gravity", problem.gravity), ("uniform_loads", problem.uniform_loads)):
+        if loads:
+            raise InputError(f"{name}: the OpenSees solver knows base motion only")
     if isinstance(problem.damping, ModalDamping):
         raise InputError('damping.kind = "modal": OpenSees has it for one state only; allowed are "viscous" and "none"')
     if problem.point_loads:
@@ -164,6 +177,15 @@ def check_problem(problem: Problem) -> None:
     for what, parts in (("a record", problem.records), ("random", problem.random)):
         if parts:
             raise InputError(f"{next(iter(parts))}: is {what}; the OpenSees solver knows sums of sines only")
+    for i, stop in enumerate(problem.stops):
+        if stop.in_space:
+            raise InputError(
+                f'stops[{i}].fixed_to = "space": the OpenSees solver knows stops that move with the base only'
+            )
+        if stop.gap < 0:
+            raise InputError(
+                f"stops[{i}].gap = {stop.gap:g}: must be 0 or more, as OpenSees starts without acceleration"
+            )
     base = problem.base_motion
     for i, wave in enumerate(() if base is None else base.waves):
         if base is not None and wave.phase:

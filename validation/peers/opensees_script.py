@@ -185,13 +185,13 @@ def settled(
     for n in range(max_periods):
         last = [*last[-max_period_multiple:], model.march(n * period, steps, period / steps)]
         apart = [_distance(problem, last[-1], last[-1 - multiple]) for multiple in range(1, len(last))]
-        multiple, residual = _repetition(apart, repeats)
+        multiple, residual = repetition(apart, repeats)
         if multiple:
             return multiple, residual, _joined(last[-multiple:])
     return 0, residual, last[-1]
 
 
-def _repetition(apart: list[float], repeats: float) -> tuple[int, float]:
+def repetition(apart: list[float], repeats: float) -> tuple[int, float]:
     """Period multiple of a motion (0: none yet) and its residual, from its distances to the motion 1, 2 ... periods
     ago.  A motion that is still settling may be nearer to an earlier period than to the last: lower multiples must be
     well apart."""

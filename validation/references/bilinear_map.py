@@ -136,7 +136,7 @@ class BilinearMap:
             pieces[1],
             stop["sign"] * bar.rows[0],
             stop["gap"],
-            bar.mass_per_length * bar.uniform,
+            bar.by_inertia(added=True),
             base["angular_frequency"],
             mirrored=len(bar.stops) == 2,
         )

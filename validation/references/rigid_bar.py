@@ -5,7 +5,9 @@ displacements u of its ends, or N(x) = x / L where a pin holds its root.  It obe
 
     M u'' + C u' + K u = f(t),    M = int m N^T N dx,    K = sum k N^T N + sum kt N'^T N'
 
-over the springs of all supports and of the closed stops, with f from the base's inertia, point loads and gaps.  Every
+over the springs of all supports and of the closed stops, with f from the base's inertia, point loads, gravity, uniform
+loads and gaps.  A mass at a point adds mass N^T N and, by its rotary inertia, J N'^T N' to M; the masses per length may
+differ from segment to segment.  A stop fixed in space has the gap function sign (z + y) - gap.  Every
 contact state has its own K, and under modal damping its own C = M Phi diag(2 zeta_i omega_i) Phi^T M, so that its
 modes decouple: between two switches the motion is a sum of decaying sines, the gap functions are sampled closely, and
 their roots refined by bisection.
@@ -103,11 +105,41 @@ class RigidBar:
         """Slope by each coordinate, 1/m, shape ``(n,)``."""
         return np.array([1.0] if self.pinned else [-1.0, 1.0]) / self.length
 
+    def pieces(self, added: bool) -> list[tuple[float, float, float]]:
+        """Start, m, end, m, and mass per length, kg/m, of each segment, with contents and, if `added`, added mass."""
+        beam, found, start = self.tables["beam"], [], 0.0
+        more = beam.get("contents_per_length", 0.0) + (beam.get("added_mass_per_length", 0.0) if added else 0.0)
+        for segment in beam.get("segments", [{**beam, "to": self.length}]):
+            found.append((start, float(segment["to"]), float(segment["mass_per_length"] + more)))
+            start = float(segment["to"])
+        return found
+
+    @cached_property
+    def masses(self) -> list[dict[str, Any]]:
+        """The masses at points."""
+        return list(self.tables.get("masses", ()))
+
     @cached_property
     def M(self) -> Array:
         """Mass matrix, kg."""
-        whole = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6 * self.mass_per_length * self.length
-        return whole[1:, 1:] if self.pinned else whole
+        total = np.zeros((self.slope.size, self.slope.size))
+        for start, end, m in self.pieces(added=True):
+            x, w = gauss_panels(np.array([start, end]), 2)
+            total = total + m * (w * self.N(x).T) @ self.N(x)
+        for one in self.masses:
+            row = self.N(one["x"])
+            total = total + one["mass"] * np.outer(row, row)
+            total = total + one.get("rotary_inertia", 0.0) * np.outer(self.slope, self.slope)
+        return total
+
+    def along(self, start: float, end: float) -> Array:
+        """int N dx from `start` to `end`, m, shape (n,), by which a force per unit length is multiplied."""
+        return (end - start) * self.N((start + end) / 2)
+
+    def by_inertia(self, added: bool) -> Array:
+        """The load, kg, shape (n,), of a unit acceleration on all masses, added ones too if `added`."""
+        along = [m * self.along(start, end) for start, end, m in self.pieces(added)]
+        return np.asarray(sum(along) + sum((one["mass"] * self.N(one["x"]) for one in self.masses), 0.0 * along[0]))
 
     @cached_property
     def stops(self) -> list[dict[str, Any]]:
@@ -120,11 +152,6 @@ class RigidBar:
         return np.array([self.N(s["x"]) for s in self.stops]).reshape(-1, self.M.shape[0])
 
     @cached_property
-    def uniform(self) -> Array:
-        """int N dx, m, shape (n,), by which a force per unit length is multiplied."""
-        return self.length / 2 * np.ones(self.M.shape[0])
-
-    @cached_property
     def harmonics(self) -> list[tuple[Array, float, float]]:
         """Loads force sin(omega t + phase): N, shape ``(n,)``, rad/s and rad."""
         found = []
@@ -132,12 +159,27 @@ class RigidBar:
             base = self.tables["base_motion"]
             for one in base.get("harmonics", [base]):
                 w = float(one.get("multiple", 1) * base["angular_frequency"])
-                found.append((self.mass_per_length * one["amplitude"] * w**2 * self.uniform, w, one.get("phase", 0.0)))
+                found.append((one["amplitude"] * w**2 * self.by_inertia(added=True), w, one.get("phase", 0.0)))
         for load in self.tables.get("point_loads", ()):
             for one in load.get("harmonics", [load] if load["kind"] == "sine" else []):
                 w = float(one.get("multiple", 1) * load["angular_frequency"])
                 found.append((one["force"] * self.N(load["x"]), w, one.get("phase", 0.0)))
         return found
+
+    @cached_property
+    def base(self) -> list[tuple[float, float, float]]:
+        """The waves of the base's displacement y: m, rad/s and rad."""
+        base = self.tables.get("base_motion", {})
+        return [
+            (one["amplitude"], one.get("multiple", 1) * base["angular_frequency"], one.get("phase", 0.0))
+            for one in base.get("harmonics", [base] if base else [])
+        ]
+
+    def harmonics_in(self, closed: Closed) -> list[tuple[Array, float, float]]:
+        """`harmonics`, and those by which closed stops that are fixed in space drive the bar."""
+        moved = [k for k in closed if self.stops[k].get("fixed_to") == "space"]
+        push = -sum((self.stops[k]["stiffness"] * self.rows[k] for k in moved), np.zeros(self.slope.size))
+        return [*self.harmonics, *((Y * push, w, phase) for Y, w, phase in (self.base if moved else ()))]
 
     @cached_property
     def damping_is_modal(self) -> bool:
@@ -151,10 +193,21 @@ class RigidBar:
         parts = [self.tables.get("base_motion", {}), *self.tables.get("point_loads", ())]
         return 2 * math.pi / min(float(part["angular_frequency"]) for part in parts if "angular_frequency" in part)
 
-    def gap_function(self, k: int, u: Array) -> Array:
-        """sign z - gap of stop k, m, positive where it is pressed, of the shape of `u` (m, (n,) or (n, times)) without
-        n."""
-        return np.asarray(self.stops[k]["sign"] * (self.rows[k] @ u) - self.stops[k]["gap"])
+    def gap_function(self, k: int, u: Array, t: float | Array) -> Array:
+        """sign z - gap of stop k, m, or sign (z + y) - gap, positive where it is pressed, at times `t`, s, of the shape
+        of `u` (m, (n,) or (n, times)) without n."""
+        seen = self.rows[k] @ u + self.seen_of_base(k, t)
+        return np.asarray(self.stops[k]["sign"] * seen - self.stops[k]["gap"])
+
+    def seen_of_base(self, k: int, t: float | Array, derivative: int = 0) -> float | Array:
+        """The y that stop k sees at times `t`, s, or a derivative of it, m s^-derivative; 0 if it moves with the
+        base."""
+        if self.stops[k].get("fixed_to") != "space":
+            return 0.0
+        return sum(
+            Y * w**derivative * np.sin(np.multiply(w, t) + phase + derivative * math.pi / 2)
+            for Y, w, phase in self.base
+        )
 
     @cached_property
     def _state(self) -> Callable[[Closed], tuple[Array, Array, Array, Array]]:
@@ -174,6 +227,11 @@ class RigidBar:
             for load in self.tables.get("point_loads", ()):
                 if load["kind"] == "step":
                     constant = constant + load["force"] * self.N(load["x"])
+            if "gravity" in self.tables:
+                constant = constant + self.tables["gravity"]["acceleration"] * self.by_inertia(added=False)
+            for load in self.tables.get("uniform_loads", ()):
+                ends = load.get("from", 0.0), load.get("to", self.length)
+                constant = constant + load["force_per_length"] * self.along(*ends)
             squared, modes = eigh(K, self.M)
             omega = np.sqrt(squared)
             return modes, omega, self._decay(omega), constant
@@ -200,7 +258,8 @@ class RigidBar:
         modes, omega, decay, constant = self._state(closed)
         rest = modes.T @ constant / omega**2
         waves = [
-            (modes.T @ force / (omega**2 - w**2 + 2j * decay * w), w, phase) for force, w, phase in self.harmonics
+            (modes.T @ force / (omega**2 - w**2 + 2j * decay * w), w, phase)
+            for force, w, phase in self.harmonics_in(closed)
         ]  # q = Im(wave exp(i (w t + phase)))
         q, p = modes.T @ self.M @ u - rest, modes.T @ self.M @ v
         for wave, w, phase in waves:
@@ -247,8 +306,8 @@ class RigidBar:
         return BarMotion(self, tuple(flows), u, v)
 
     def _pressed(self, k: int, u: Array, v: Array) -> bool:
-        beyond = float(self.gap_function(k, u))
-        return beyond > 0 or (beyond == 0 and self.stops[k]["sign"] * float(self.rows[k] @ v) > 0)
+        beyond, speed = float(self.gap_function(k, u, 0.0)), float(self.rows[k] @ v + self.seen_of_base(k, 0.0, 1))
+        return beyond > 0 or (beyond == 0 and self.stops[k]["sign"] * speed > 0)
 
     def _next_switch(
         self, motion: Callable[[Array, int], Array], closed: Closed, start: float, end: float, just: int
@@ -261,7 +320,7 @@ class RigidBar:
             t = np.linspace(a, b, _SAMPLES * _PERIODS + 1)
             u, found = motion(t, 0), []
             for k in range(len(self.stops)):
-                h = (-1.0 if k in closed else 1.0) * self.gap_function(k, u)
+                h = (-1.0 if k in closed else 1.0) * self.gap_function(k, u, t)
                 if a == start and k == just:
                     h[0] = -math.inf  # it is zero, and falls
                 rises = np.flatnonzero((h[:-1] < 0) & (h[1:] >= 0))
@@ -272,7 +331,7 @@ class RigidBar:
                         around = self._back_at_once(motion, k, k in closed, around)
 
                     def gap(s: float, k: int = k) -> float:
-                        return float(self.gap_function(k, motion(np.array([s]), 0))[0])
+                        return float(self.gap_function(k, motion(np.array([s]), 0), s)[0])
 
                     found.append((float(brentq(gap, *around, xtol=_CLOSE)), k))
             if found:
@@ -283,14 +342,16 @@ class RigidBar:
     def _back_at_once(self, motion: Callable[[Array, int], Array], k: int, closed: bool, around: Array) -> Array:
         """Two times about the next switch of a stop: it lies between two others, at the first of which it switched."""
         t = np.linspace(around[0], around[1], _SAMPLES)
-        h = (-1.0 if closed else 1.0) * self.gap_function(k, motion(t, 0))
+        h = (-1.0 if closed else 1.0) * self.gap_function(k, motion(t, 0), t)
         first = 1 + int(np.flatnonzero(h[1:] >= 0)[0])
         if first == 1:
             raise ArithmeticError(f"stop {k} switches twice within {t[1] - t[0]:.1e} s")
         return np.asarray(t[first - 1 : first + 1])
 
     def moment(self, x: float, t: float, flow: Flow) -> float:
-        """Bending moment EI z'' at x (m) and t (s), N m, by the balance of all forces beyond x; `flow` is that of t."""
+        """Bending moment EI z'' at x (m) and t (s), N m, by the balance of all forces beyond x; `flow` is that of t.
+
+        The bar is uniform, without masses at points, and under base motion and point loads alone."""
         now = np.array([t])
         u, v, a = (flow.motion(now, derivative)[:, 0] for derivative in range(3))
         modes, _, decay, _ = self._state(flow.closed)
@@ -312,7 +373,7 @@ class RigidBar:
                 total += one["force"] * wave * (load["x"] - x)
         for k, stop in enumerate(self.stops):
             if stop["x"] > x and k in flow.closed:
-                total -= stop["sign"] * stop["stiffness"] * float(self.gap_function(k, u)) * (stop["x"] - x)
+                total -= stop["sign"] * stop["stiffness"] * float(self.gap_function(k, u, t)) * (stop["x"] - x)
         for support in self.tables.get("supports", ()):
             if support["x"] > x:
                 total -= support.get("translational", 0.0) * float(self.N(support["x"]) @ u) * (support["x"] - x)
@@ -373,7 +434,7 @@ class BarMotion:
         stop, area, deepest = self.bar.stops[k], 0.0, 0.0
         for flow in flows:
             t, w = gauss_panels(np.linspace(flow.start, flow.end, _PANELS + 1), _POINTS)
-            area += float(self.bar.gap_function(k, flow.motion(t, 0)) @ w)
+            area += float(self.bar.gap_function(k, flow.motion(t, 0), t) @ w)
             deepest = max(deepest, self._deepest(k, flow))
         force = stop["stiffness"] * area * stop["sign"]
         return BarContact(k, flows[0].start, flows[-1].end, force, stop["stiffness"] * deepest)
@@ -382,12 +443,13 @@ class BarMotion:
         """Largest sign z - gap in a flow, m: at its ends, or where the stop's speed vanishes."""
 
         def speed(s: float) -> float:
-            return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0])
+            return float(self.bar.rows[k] @ flow.motion(np.array([s]), 1)[:, 0] + self.bar.seen_of_base(k, s, 1))
 
         t = np.linspace(flow.start, flow.end, _PANELS * _POINTS)
-        v = self.bar.rows[k] @ flow.motion(t, 1)
+        v = self.bar.rows[k] @ flow.motion(t, 1) + self.bar.seen_of_base(k, t, 1)
         turns = [brentq(speed, t[i], t[i + 1], xtol=_CLOSE) for i in np.flatnonzero(v[:-1] * v[1:] < 0)]
-        return float(self.bar.gap_function(k, flow.motion(np.array([flow.start, flow.end, *turns]), 0)).max())
+        at = np.array([flow.start, flow.end, *turns])
+        return float(self.bar.gap_function(k, flow.motion(at, 0), at).max())
 
     def moment(self, x: float, t: float) -> float:
         """Bending moment EI z'' at x, m, and t, s, in N m."""

@@ -160,7 +160,13 @@ def _values(path: str, value: object) -> Iterator[str]:
         besides = f" ({hertz(value)} Hz)" if path.endswith("angular_frequency") else ""
         yield f"{path} = {value:.10g}{besides}"
     elif isinstance(value, Sequence) and not isinstance(value, str):
-        yield f"{path} = {_row(value)}"
+        if value and all(isinstance(one, Mapping) for one in value):
+            for i, one in enumerate(value[:_SHOWN]):
+                yield from _values(f"{path}[{i}]", one)
+            if len(value) > _SHOWN:
+                yield f"... ({path}: {len(value)} in all)"
+        else:
+            yield f"{path} = {_row(value)}"
     else:
         yield f"{path} = {value}"
 

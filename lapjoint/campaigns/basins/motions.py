@@ -75,7 +75,7 @@ def table_of(plan: BasinPlan, value: int, scouts: ChunkEnds, chunks: Sequence[Ch
             index.append(_known(half_periods, motions, motion_from(plain)))
         numbers += [UNBOUND if i < 0 else index[i] for i in chunk.motion]
         first = len(numbers) - len(chunk.motion)
-        messages |= {first + i: text for i, text in chunk.messages}
+        messages |= {first + failure.start: failure.reason for failure in chunk.messages}
         pushed += [first + i for i in chunk.pushed]
     motions, orbits, motion = _ordered(half_periods, motions, np.array(numbers, dtype=np.intp))
     was_pushed = np.zeros(motion.size, dtype=np.bool_)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, TypedDict
+from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 
@@ -40,6 +40,14 @@ class PlainMotion(TypedDict):
     impulses: list[float]
 
 
+class Failure(NamedTuple):
+    """A march that could not go on; a journal holds it as a list, in this sequence."""
+
+    start: int
+    """The start, by its place in the chunk."""
+    reason: str
+
+
 @dataclass(frozen=True)
 class ChunkEnds:
     """Where the starts of a chunk end, as values that JSON can hold."""
@@ -54,8 +62,8 @@ class ChunkEnds:
     """Excitation periods marched from each start."""
     pushed: list[int] = field(default_factory=list)
     """Starts of the chunk whose march was pushed off an unstable motion that it could not leave."""
-    messages: list[list[Any]] = field(default_factory=list)
-    """Starts of the chunk whose march could not go on, each with the reason."""
+    messages: list[Failure] = field(default_factory=list)
+    """Marches that could not go on."""
     message: str = ""
     """Why there is no answer at all; empty where there is one."""
 
@@ -63,7 +71,7 @@ class ChunkEnds:
         """The ends of `count` starts: if there is no answer at all, all starts have failed for its reason."""
         if not self.message:
             return self
-        reasons: list[list[Any]] = [[i, self.message] for i in range(count)]
+        reasons = [Failure(i, self.message) for i in range(count)]
         return ChunkEnds([], [UNBOUND] * count, [OUTCOME_CODES[FAILED]] * count, [0] * count, [], reasons)
 
 
@@ -96,7 +104,7 @@ def solve_chunk(plan: BasinPlan, cell: int, library: str) -> ChunkEnds:
         outcome=[OUTCOME_CODES[FAILED if end.outcome is None else end.outcome.name] for end in ends],
         periods=[end.periods for end in ends],
         pushed=[i for i, end in enumerate(ends) if end.pushes],
-        messages=[[i, end.message] for i, end in enumerate(ends) if end.message],
+        messages=[Failure(i, end.message) for i, end in enumerate(ends) if end.message],
     )
 
 

@@ -18,11 +18,12 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 
 CHUNK = 64
 """Number of starts in a chunk: enough for a compiled call to pay, few enough for an interrupt to lose little."""
@@ -48,39 +49,10 @@ class Chunk(NamedTuple):
 
 
 @dataclass(frozen=True)
-class BasinPlan:
-    """Everything that the answer depends on.
+class BasinPlan(Spec):
+    """Everything that basins depend on; the fields are the arguments of `lapjoint.basins`, with `shape` for its `grid`.
 
-    Parameters
-    ----------
-    problem : Problem
-        The joint, the excitation, and the initial state that starts are counted from.
-    solver : str
-        Entry-point name of the solver.
-    options : mapping
-        Numerical options of the solver.
-    plane : Plane or None
-        The plane of a grid of starts; None for random starts.
-    shape : tuple of int
-        Number of values of the plane's first coordinate, and of its second.
-    ranges : tuple of tuple of float, or None
-        First and last value of each coordinate, m or m/s; None for some times the size of base
-        motion and gap.
-    energy : float or None
-        Bound on the energy of random starts, J; None for a grid.
-    starts : int
-        Number of random starts.
-    seed : int
-        Seed of the random starts.
-    effort : int
-        Most periods marched from each start.
-    over : Axis or None
-        A number of the problem, and the values for which all this is done.
-
-    Raises
-    ------
-    InputError
-        If a parameter is not allowed.
+    InputError is raised if a value is not allowed.
     """
 
     noun: ClassVar[str] = "search for basins"
@@ -101,10 +73,10 @@ class BasinPlan:
     def __post_init__(self) -> None:
         if (self.plane is None) == (self.energy is None):
             raise InputError("basins: give a plane of starts, or the energy of random ones, and not both")
-        for name, number in zip(("grid", "grid"), self.shape, strict=True):
-            check_integer(name, number, 1, MOST_STARTS)
+        for number in self.shape:
+            check_integer("grid", number, 1, MOST_STARTS)
         check_integer("starts", self.starts, 1, MOST_STARTS)
-        check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_seed(self.seed)
         check_integer("effort", self.effort, 1, MOST_PERIODS)
         if self.energy is not None and not 0 < self.energy < math.inf:
             raise InputError(f"energy = {self.energy!r}: must be positive and finite, in J")
@@ -140,23 +112,7 @@ class BasinPlan:
         return None if self.over is None else Grid(self.problem, (self.over,))
 
     def problem_at(self, value: int) -> Problem:
-        """One of the problems.
-
-        Parameters
-        ----------
-        value : int
-            Its number along `over`.
-
-        Returns
-        -------
-        Problem
-            The problem with that value.
-
-        Raises
-        ------
-        InputError
-            If there is no valid problem there; the message names the value.
-        """
+        """One of the problems, by its number along `over`; InputError, which names the value, if it is not valid."""
         return self.problem if self.grid is None else self.grid.problem_at(value)
 
     def _default_ranges(self, plane: Plane) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -182,18 +138,7 @@ class BasinPlan:
         return first, second
 
     def chunk(self, cell: int) -> Chunk:
-        """What a cell is.
-
-        Parameters
-        ----------
-        cell : int
-            Its number.
-
-        Returns
-        -------
-        Chunk
-            Its starts, and their problem.
-        """
+        """The content of a cell, by its number."""
         if cell < self.values:
             return Chunk(cell, self._scouts)
         value, chunk = divmod(cell - self.values, self.chunks)
@@ -210,7 +155,7 @@ class BasinPlan:
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or there is no valid problem or plane."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         if self.grid is not None:
             self.grid.check()
         if self.plane is not None:
@@ -233,8 +178,3 @@ class BasinPlan:
             "over": None if self.over is None else {self.over.path: list(self.over.values)},
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,9 @@ from lapjoint.campaigns.basins.motions import MotionTable, branches_of, table_of
 from lapjoint.campaigns.basins.solve import UNBOUND, ChunkEnds
 from lapjoint.campaigns.basins.spec import BasinPlan
 from lapjoint.campaigns.dataset import (
+    IMPULSE,
     OUTCOME_FLAGS,
+    RESIDUAL,
     Column,
     Variable,
     attributes_of,
@@ -45,70 +48,69 @@ _OF_STARTS = (
 """Variables of each start; the names are those of the fields of `MotionTable`."""
 
 
-_OF_MOTIONS: tuple[tuple[Column, Callable[[MotionTable], Any]], ...] = (
-    (
-        Column("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
-        lambda table: [motion.period_multiple for motion in table.motions],
+_OF_MOTIONS = (
+    Column(
+        "period_multiple",
+        "i4",
+        "1",
+        "excitation periods after which the motion repeats",
+        value=lambda table: [motion.period_multiple for motion in table.motions],
     ),
-    (
-        Column("symmetric", "i1", "1", "1 if half of the motion mirrors the other half"),
-        lambda table: [motion.symmetric for motion in table.motions],
+    Column(
+        "symmetric",
+        "i1",
+        "1",
+        "1 if half of the motion mirrors the other half",
+        value=lambda table: [motion.symmetric for motion in table.motions],
     ),
-    (
-        Column("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
-        lambda table: [motion.residual for motion in table.motions],
+    replace(RESIDUAL, value=lambda table: [motion.residual for motion in table.motions]),
+    Column(
+        "multiplier_real",
+        "f8",
+        "1",
+        "real part of the Floquet multiplier of largest modulus",
+        value=lambda table: [motion.multiplier.real for motion in table.motions],
     ),
-    (
-        Column("multiplier_real", "f8", "1", "real part of the Floquet multiplier of largest modulus"),
-        lambda table: [motion.multiplier.real for motion in table.motions],
+    Column(
+        "multiplier_imag",
+        "f8",
+        "1",
+        "imaginary part of the same; of a conjugate pair, the positive one",
+        value=lambda table: [motion.multiplier.imag for motion in table.motions],
     ),
-    (
-        Column("multiplier_imag", "f8", "1", "imaginary part of the same; of a conjugate pair, the positive one"),
-        lambda table: [motion.multiplier.imag for motion in table.motions],
+    replace(IMPULSE, value=lambda table: [motion.impulses for motion in table.motions]),
+    Column(
+        "impulse_error",
+        "f8",
+        "N s",
+        "estimate of the numerical error of the impulse; infinite where none can be stated",
+        value=lambda table: table.errors,
+        of_stops=True,
     ),
-    (
-        Column(
-            "impulse",
-            "f8",
-            "N s",
-            "impulse of the stop over one excitation period; positive at the top, negative at the bottom",
-        ),
-        lambda table: np.reshape([motion.impulses for motion in table.motions], table.errors.shape),
+    Column(
+        "motion_outcome",
+        "i1",
+        "",
+        "what kind of periodic motion it is",
+        OUTCOME_FLAGS,
+        value=lambda table: [OUTCOME_CODES[motion.outcome.name] for motion in table.motions],
     ),
-    (
-        Column(
-            "impulse_error",
-            "f8",
-            "N s",
-            "estimate of the numerical error of the impulse; infinite where none can be stated",
-        ),
-        lambda table: table.errors,
+    Column("twin", "i4", "1", "index of its mirror image; -1: none, or itself"),
+    Column(
+        "orbits",
+        "i4",
+        "1",
+        "number of orbits, hardly apart, into which truncated modes have parted the motion; 1 where they have not",
     ),
-    (
-        Column("motion_outcome", "i1", "", "what kind of periodic motion it is", OUTCOME_FLAGS),
-        lambda table: [OUTCOME_CODES[motion.outcome.name] for motion in table.motions],
-    ),
-    (Column("twin", "i4", "1", "index of its mirror image; -1: none, or itself"), lambda table: table.twin),
-    (
-        Column(
-            "orbits",
-            "i4",
-            "1",
-            "number of orbits, hardly apart, into which truncated modes have parted the motion; 1 where they have not",
-        ),
-        lambda table: table.orbits,
-    ),
-    (
-        Column(
-            "section_point",
-            "O",
-            "",
-            "a section point of the motion as JSON: closed stops, the solver's own coordinates, nodes",
-        ),
-        lambda table: [json.dumps(plain_section(motion.points[0])) for motion in table.motions],
+    Column(
+        "section_point",
+        "O",
+        "",
+        "a section point of the motion as JSON: closed stops, the solver's own coordinates, nodes",
+        value=lambda table: [json.dumps(plain_section(motion.points[0])) for motion in table.motions],
     ),
 )
-"""Variables of each motion, with their values in the table of a problem."""
+"""Variables of each motion, from a `MotionTable`."""
 _BRANCH = Column(
     "branch",
     "i4",
@@ -132,7 +134,8 @@ def basins_dataset(plan: BasinPlan, points: Mapping[int, ChunkEnds]) -> xr.Datas
         cells = range(first, first + plan.chunks)
         chunks = [points[cell].whole(len(plan.chunk(cell).starts)) for cell in cells]
         tables.append(table_of(plan, value, points[value], chunks))
-    variables = {**_starts(plan, tables), **_motions(plan, tables), **_fractions(plan, tables)}
+    motions = {column.name: _of_motions(plan, column, column.values(tables)) for column in _OF_MOTIONS}
+    variables = {**_starts(plan, tables), **motions, **_fractions(plan, tables)}
     if plan.over is not None:
         variables["branch"] = _of_motions(plan, _BRANCH, branches_of(plan, tables))
     variables |= _failures(tables)
@@ -165,31 +168,18 @@ def _starts(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variabl
     own = ("start",) if plan.plane is None else ("first", "second")
     each = (plan.starts,) if plan.plane is None else plan.shape
     shape = each if plan.over is None else (plan.values, *each)
-    return {
-        column.name: column.of(
-            (*_over(plan), *own), np.concatenate([getattr(table, column.name) for table in tables]), shape
-        )
-        for column in _OF_STARTS
-    }
+    dimensions = (*_over(plan), *own)
+    return {one.name: one.of(dimensions, np.concatenate(one.values(tables)), shape) for one in _OF_STARTS}
 
 
 def _of_motions(plan: BasinPlan, column: Column, rows: Sequence[Any]) -> Variable:
     """One value, or one for each stop, for each motion of each problem, padded to the largest number of motions."""
+    more, tail = (("stop",), (len(plan.problem.stops),)) if column.of_stops else ((), ())
     most = max((len(row) for row in rows), default=0)
-    arrays = [np.asarray(row) for row in rows]
-    tail = next((array.shape[1:] for array in arrays if array.ndim > 1), ())
     values = np.full((len(rows), most, *tail), _FILL[column.kind], dtype=column.kind)
-    for i, array in enumerate(arrays):
-        values[i, : len(array)] = array.reshape(len(array), *tail)
-    dimensions = (*_over(plan), "motion", *(("stop",) if tail else ()))
-    return dimensions, values if plan.over is not None else values[0], column.attributes
-
-
-def _motions(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variable]:
-    """The table of motions."""
-    return {
-        column.name: _of_motions(plan, column, [values(table) for table in tables]) for column, values in _OF_MOTIONS
-    }
+    for i, row in enumerate(rows):
+        values[i, : len(row)] = np.reshape(row, (len(row), *tail))
+    return (*_over(plan), "motion", *more), values if plan.over is not None else values[0], column.attributes
 
 
 def _fractions(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variable]:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from lapjoint.campaigns.grid import Axis, Grid
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.sweep.spec import MOST_STARTS
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 
 if TYPE_CHECKING:
     from lapjoint.orbits.branches.resolution import ParameterRange
@@ -37,7 +38,7 @@ _KEPT = 8
 
 
 @dataclass(frozen=True)
-class BranchSpec:
+class BranchSpec(Spec):
     """The question of a search: everything on which its branches depend.  The fields are the arguments of
     `lapjoint.branch`.
 
@@ -47,8 +48,6 @@ class BranchSpec:
     """
 
     noun: ClassVar[str] = "search for branches"
-    """What the search is called in messages."""
-    cells_noun: ClassVar[str] = "parts"
     problem: Problem
     path: str
     first: float
@@ -69,7 +68,7 @@ class BranchSpec:
         check_integer("starts", self.starts, 0, MOST_STARTS)
         check_integer("max_points", self.max_points, 2, MOST_POINTS)
         check_integer("effort", self.effort, 1, MOST_POINTS)
-        check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_seed(self.seed)
         for name, value in (("from", self.first), ("to", self.last)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
                 raise InputError(f"{name} = {value!r}: must be a finite number")
@@ -121,10 +120,19 @@ class BranchSpec:
     def check(self) -> Solver:
         """Check everything that can be checked before any work, and make the solver with its options; `InputError` if
         not."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         axes = (self.axis,) if self.also_over is None else (self.also_over, self.axis)
         Grid(self.problem, axes).check()
         return solver
+
+    def kept(self, count: int) -> str:
+        """A number of parts that are done as the subject of a sentence, with its verb."""
+        return f"{count} {'part of the work is' if count == 1 else 'parts of the work are'}"
+
+    @property
+    def nothing_kept(self) -> str:
+        """A sentence for a journal without parts."""
+        return "nothing was done"
 
     @cached_property
     def identity(self) -> dict[str, Any]:
@@ -147,11 +155,6 @@ class BranchSpec:
             **({"from_grazes": True} if self.from_grazes else {}),
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)
 
 
 class _Key:

@@ -7,7 +7,8 @@ dimension ``bifurcation`` in the same way.  docs/branches.md lists the variables
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -18,16 +19,31 @@ from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.branches.loci import loci_of
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
-from lapjoint.campaigns.dataset import attributes_of, read_result
+from lapjoint.campaigns.dataset import (
+    IMPULSE,
+    OUTCOME_FLAGS,
+    RESIDUAL,
+    YES_NO,
+    Column,
+    Variable,
+    attributes_of,
+    axis_coordinate,
+    flags,
+    read_result,
+    stop_names,
+    stop_sides,
+    tabulated,
+)
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.point import OUTCOME_CODES, Point
+from lapjoint.campaigns.point import OUTCOME_CODES, Point, point_from
 
 if TYPE_CHECKING:
     import xarray as xr
 
 KINDS = get_args(BifurcationKind)
 """Names of bifurcations, in the sequence of their codes from 0."""
-_YES_NO = {"flag_values": np.array([0, 1], dtype="i1"), "flag_meanings": "no yes"}
+KIND_FLAGS = flags(name.replace(" ", "_") for name in KINDS)
+"""Attributes of a variable of kinds of bifurcations."""
 _BESIDE = 2
 """Number of points on either side of a graze that are tested for contacts: one lies just before the graze, and one just
 beyond."""
@@ -37,8 +53,129 @@ _AT = 1e-9
 _NO_IMPULSE = 1e-3
 """Largest impulse at a first graze, divided by the largest impulse of the branch: just beyond the graze, contacts have
 begun."""
-Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-"""Dimensions, values and attributes of a variable, as xarray takes them."""
+_LEADING = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with positive imaginary part"
+_OUTCOMES = {**OUTCOME_FLAGS, "comment": " ".join(outcome.value for outcome in Outcome)}
+_LIKELY = (
+    "probability that another random start, if it leads to a stable motion, leads to an unknown branch; NaN where no "
+    "start led to a stable motion"
+)
+
+
+def _peak_forces(point: Point) -> list[float]:
+    """The largest force of each stop, N."""
+    stops, contacts = range(len(point.impulses)), point.contacts
+    return [max((one.peak_force for one in contacts if one.stop == stop), default=0.0) for stop in stops]
+
+
+def _is_stable(point: Point) -> bool:
+    return abs(complex(point.multiplier_real, point.multiplier_imag)) < 1
+
+
+_OF_POINTS = (
+    IMPULSE,
+    Column("peak_force", "f8", "N", "largest force of the stop", value=_peak_forces, of_stops=True),
+    Column("outcome", "i1", "", "what the motion is", _OUTCOMES, value=lambda point: OUTCOME_CODES[point.outcome]),
+    Column(
+        "stable",
+        "i1",
+        "",
+        "whether all Floquet multipliers lie within the unit circle",
+        YES_NO,
+        value=_is_stable,
+    ),
+    Column("symmetric", "i1", "", "whether half the motion's period mirrors it", YES_NO),
+    Column("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
+    RESIDUAL,
+    Column("multiplier_real", "f8", "1", f"real part of {_LEADING}"),
+    Column("multiplier_imag", "f8", "1", f"imaginary part of {_LEADING}"),
+    Column(
+        "contact_count",
+        "i4",
+        "1",
+        "number of contacts in a period of the motion",
+        value=lambda point: len(point.contacts),
+    ),
+)
+"""Variables of each point, from a `Point`."""
+
+
+@dataclass(frozen=True)
+class _Bifurcation:
+    """A bifurcation of one of the branches, and where it lies."""
+
+    branch: int
+    """Number of its branch."""
+    point: int
+    """Index of the point that follows it, or lies at it."""
+    first: bool
+    """Whether it is a graze on one side of which no stop is touched."""
+    row: Mapping[str, Any]
+    """The bifurcation, as `lapjoint.campaigns.branches.solve.solve_branch` gives it."""
+
+
+def _column(name: str, kind: str, units: str, text: str, more: Mapping[str, Any] | None = None) -> Column:
+    """A variable whose value is that of the row of a `_Bifurcation`."""
+    return Column(name, kind, units, text, more or {}, value=lambda one: one.row[name], text_first=True)
+
+
+_OF_BIFURCATIONS = (
+    Column("branch", "i4", "1", "number of its branch"),
+    Column("point", "i4", "1", "index of the point that follows it, or lies at it"),
+    _column("stop", "i4", "1", "stop that is grazed, from 0; -1 where none is"),
+    _column("after", "O", "", "what the branch does at a graze: persists, folds, ends or is lost"),
+    Column("first", "i1", "", "whether it is a graze on one side of which no stop is touched", YES_NO),
+    Column(
+        "impulse",
+        "f8",
+        "N s",
+        "impulse of the stop over one excitation period",
+        value=lambda one: one.row["impulses"],
+        of_stops=True,
+    ),
+    Column(
+        "motion",
+        "O",
+        "",
+        "the motion there as JSON: the number, the section point, and half periods",
+        value=lambda one: _text_of(one.row["motion"]),
+    ),
+    Column(
+        "arcs",
+        "O",
+        "",
+        "the same by the finest resolution that was asked, for lapjoint confirm; or empty",
+        value=lambda one: _text_of(one.row["arcs"]),
+    ),
+)
+"""Variables of each bifurcation besides its kind, value and error."""
+_OF_STARTS = (
+    Column(
+        "starts_stable", "i4", "1", "number of random starts that led to a stable motion", value=lambda it: it.starts
+    ),
+    Column("starts_branches", "i4", "1", "number of branches that these motions lie on", value=lambda it: it.branches),
+    Column(
+        "starts_alone",
+        "i4",
+        "1",
+        "number of those branches to which nothing leads but one start",
+        value=lambda it: it.alone,
+    ),
+    Column(
+        "unknown_probability",
+        "f8",
+        "1",
+        _LIKELY,
+        value=lambda it: np.nan if it.probability is None else it.probability,
+    ),
+    Column(
+        "unknown_probability_bound",
+        "f8",
+        "1",
+        "what that probability exceeds in about one search of twenty",
+        value=lambda it: it.bound,
+    ),
+)
+"""Variables of the random starts, from a `Reached`."""
 
 
 def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
@@ -46,155 +183,61 @@ def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
     it."""
     import xarray as xr
 
-    stops = spec.problem.stops
     branches = [branch for diagram in diagrams for branch in diagram.branches]
-    names = np.array(spec.problem.stop_names, dtype=object)
-    coordinates: dict[str, Variable] = {"stop_name": (("stop",), names, {"long_name": "name of the stop"})}
-    signs = np.array([stop.sign for stop in stops], dtype="i1")
-    meanings = {"flag_values": np.array([-1, 1], dtype="i1"), "flag_meanings": "bottom top"}
-    variables: dict[str, Variable] = {
-        "stop_side": (("stop",), signs, {"long_name": "side of the stop", **meanings}),
+    coordinates = {"stop_name": stop_names(spec.problem)}
+    variables = {
+        "stop_side": stop_sides(spec.problem),
         **_points(spec, branches),
         **_bifurcations(spec, branches),
-        **_branches(branches),
+        **_ends(branches),
         **_not_followed(spec, diagrams),
         **_not_covered(spec, diagrams),
-        **_unknown(spec, diagrams),
     }
+    if spec.starts:
+        reached = [diagram.reached for diagram in diagrams]
+        variables |= {column.name: _each(spec, column, column.values(reached)) for column in _OF_STARTS}
     if spec.also_over is not None:
-        coordinates |= _second_axis(spec.also_over)
+        coordinates[spec.also_over.name] = axis_coordinate(spec.also_over)
         variables |= _second(spec.also_over, diagrams, variables)
     return xr.Dataset(variables, coords=coordinates, attrs=_attributes(spec))
 
 
 def read_branches(path: str | Path) -> xr.Dataset:
-    """A dataset of branches, read into memory from a NetCDF file.
-
-    `InputError` is raised if there is no such file, it holds no branches, it is damaged, or has another format version.
-    """
+    """Read a dataset of branches from a NetCDF file into memory; InputError is raised as `read_result` says."""
     return read_result(path, BranchSpec.noun)
 
 
-def _points(spec: BranchSpec, branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
-    rows = [Point(**one) for branch in branches for one in branch["points"]]
-    axis, stops = spec.axis, len(spec.problem.stops)
-    values = np.array([value for branch in branches for value in branch["values"]])
-    sentences = [outcome.value for outcome in Outcome]
-    outcome = {
-        "flag_values": np.array(list(OUTCOME_CODES.values()), dtype="i1"),
-        "flag_meanings": " ".join(OUTCOME_CODES).lower(),
-        "comment": " ".join(sentences),
-    }
-
-    def peaks(row: Point) -> list[float]:
-        return [max((c[4] for c in row.contacts if c[0] == k), default=0.0) for k in range(stops)]
-
-    def scalar(name: str, kind: str, units: str, text: str) -> Variable:
-        column = np.array([getattr(row, name) for row in rows], dtype=kind)
-        return ("point",), column, {"units": units, "long_name": text}
-
-    leading = "the Floquet multiplier of largest modulus; of a conjugate pair, the one with positive imaginary part"
-    stable = [abs(complex(row.multiplier_real, row.multiplier_imag)) < 1 for row in rows]
-    text = "impulse of the stop over one excitation period; positive at the top, negative at the bottom"
+def _points(spec: BranchSpec, branches: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    axis, rows = spec.axis, [point_from(one) for branch in branches for one in branch["points"]]
+    value = Column(axis.name, "f8", axis.units, axis.path, {"path": axis.path})
+    owner = Column("branch", "i4", "1", "number of the branch, from 0; the points of each lie in sequence along it")
     return {
-        axis.name: (("point",), values, {"units": axis.units, "long_name": axis.path, "path": axis.path}),
-        "branch": (
-            ("point",),
-            np.repeat(np.arange(len(branches), dtype="i4"), [len(branch["points"]) for branch in branches]),
-            {"units": "1", "long_name": "number of the branch, from 0; the points of each lie in sequence along it"},
-        ),
-        "impulse": (("point", "stop"), _table([row.impulses for row in rows], stops), _with_units("N s", text)),
-        "peak_force": (
-            ("point", "stop"),
-            _table([peaks(row) for row in rows], stops),
-            _with_units("N", "largest force of the stop"),
-        ),
-        "outcome": (
-            ("point",),
-            np.array([OUTCOME_CODES[row.outcome] for row in rows], dtype="i1"),
-            {"long_name": "what the motion is", **outcome},
-        ),
-        "stable": (
-            ("point",),
-            np.array(stable, dtype="i1"),
-            {"long_name": "whether all Floquet multipliers lie within the unit circle", **_YES_NO},
-        ),
-        "symmetric": (
-            ("point",),
-            np.array([row.symmetric for row in rows], dtype="i1"),
-            {"long_name": "whether half the motion's period mirrors it", **_YES_NO},
-        ),
-        "period_multiple": scalar("period_multiple", "i4", "1", "excitation periods after which the motion repeats"),
-        "residual": scalar("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
-        "multiplier_real": scalar("multiplier_real", "f8", "1", f"real part of {leading}"),
-        "multiplier_imag": scalar("multiplier_imag", "f8", "1", f"imaginary part of {leading}"),
-        "contact_count": (
-            ("point",),
-            np.array([len(row.contacts) for row in rows], dtype="i4"),
-            _with_units("1", "number of contacts in a period of the motion"),
-        ),
+        axis.name: value.of(("point",), [value for branch in branches for value in branch["values"]]),
+        "branch": owner.of(("point",), [i for i, branch in enumerate(branches) for _ in branch["points"]]),
+        **tabulated("point", _OF_POINTS, rows, len(spec.problem.stops)),
     }
 
 
-def _bifurcations(spec: BranchSpec, branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
-    rows = [one for branch in branches for one in branch["bifurcations"]]
-    owner = [i for i, branch in enumerate(branches) for _ in branch["bifurcations"]]
-    starts = np.cumsum([0, *(len(branch["points"]) for branch in branches)])
-    stops = len(spec.problem.stops)
-
-    def column(name: str, kind: Any, text: str, **attributes: Any) -> Variable:
-        return ("bifurcation",), np.array([row[name] for row in rows], dtype=kind), {"long_name": text, **attributes}
-
+def _bifurcations(spec: BranchSpec, branches: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    units, stops = spec.axis.units, len(spec.problem.stops)
     error = "estimate of the numerical error of bifurcation_value; infinite where none can be stated"
-    return {
-        "bifurcation_kind": (
-            ("bifurcation",),
-            np.array([KINDS.index(row["kind"]) for row in rows], dtype="i1"),
-            {"long_name": "what the bifurcation is", **meanings_of(KINDS)},
-        ),
-        "bifurcation_value": column("value", "f8", f"{spec.axis.path} at the bifurcation", units=spec.axis.units),
-        "bifurcation_error": column("error", "f8", error, units=spec.axis.units),
-        "bifurcation_branch": (
-            ("bifurcation",),
-            np.array(owner, dtype="i4"),
-            {"units": "1", "long_name": "number of its branch"},
-        ),
-        "bifurcation_point": (
-            ("bifurcation",),
-            np.array([starts[i] + row["index"] for i, row in zip(owner, rows, strict=True)], dtype="i4"),
-            {"units": "1", "long_name": "index of the point that follows it, or lies at it"},
-        ),
-        "bifurcation_stop": column("stop", "i4", "stop that is grazed, from 0; -1 where none is", units="1"),
-        "bifurcation_after": column(
-            "after", object, "what the branch does at a graze: persists, folds, ends or is lost"
-        ),
-        "bifurcation_first": (
-            ("bifurcation",),
-            np.array([_is_first(branches[i], row) for i, row in zip(owner, rows, strict=True)], dtype="i1"),
-            {"long_name": "whether it is a graze on one side of which no stop is touched", **_YES_NO},
-        ),
-        "bifurcation_impulse": (
-            ("bifurcation", "stop"),
-            _table([row["impulses"] or (np.nan,) * stops for row in rows], stops),
-            _with_units("N s", "impulse of the stop over one excitation period"),
-        ),
-        "bifurcation_motion": (
-            ("bifurcation",),
-            np.array([_text_of(row["motion"]) for row in rows], dtype=object),
-            {"long_name": "the motion there as JSON: the number, the section point, and half periods"},
-        ),
-        "bifurcation_arcs": (
-            ("bifurcation",),
-            np.array([_text_of(row["arcs"]) for row in rows], dtype=object),
-            {"long_name": "the same by the finest resolution that was asked, for lapjoint confirm; or empty"},
-        ),
-    }
+    columns = (
+        Column("kind", "i1", "", "what the bifurcation is", KIND_FLAGS, value=lambda one: KINDS.index(one.row["kind"])),
+        _column("value", "f8", units, f"{spec.axis.path} at the bifurcation"),
+        _column("error", "f8", units, error),
+        *_OF_BIFURCATIONS,
+    )
+    return tabulated("bifurcation", columns, list(_located(branches, stops)), stops, "bifurcation_")
 
 
-def meanings_of(names: Sequence[str]) -> dict[str, Any]:
-    """The attributes ``flag_values`` and ``flag_meanings`` for codes from 0."""
-    values = np.arange(len(names), dtype="i1")
-    return {"flag_values": values, "flag_meanings": " ".join(name.replace(" ", "_") for name in names)}
+def _located(branches: Sequence[Mapping[str, Any]], stops: int) -> Iterator[_Bifurcation]:
+    """The bifurcations of all branches."""
+    first = 0
+    for i, branch in enumerate(branches):
+        for row in branch["bifurcations"]:
+            known = {**row, "impulses": row["impulses"] or (np.nan,) * stops}
+            yield _Bifurcation(i, first + row["index"], _is_first(branch, row), known)
+        first += len(branch["points"])
 
 
 def _text_of(plain: Any) -> str:
@@ -212,99 +255,63 @@ def _is_first(branch: Mapping[str, Any], row: Mapping[str, Any]) -> bool:
     return max(map(abs, row["impulses"]), default=0.0) <= _NO_IMPULSE * largest
 
 
-def _branches(branches: Sequence[dict[str, Any]]) -> dict[str, Variable]:
+def _ends(branches: Sequence[Mapping[str, Any]]) -> dict[str, Variable]:
+    """Why each branch ends where it ends."""
+    texts = {f"branch_{end}_end": f"why the branch ends at its {end} point" for end in ("first", "last")}
     return {
-        f"branch_{which}_end": (
-            ("branch_number",),
-            np.array([branch["ends"][i] for branch in branches], dtype=object),
-            {"long_name": f"why the branch ends at its {which} point"},
-        )
-        for i, which in enumerate(("first", "last"))
+        name: Column(name, "O", "", text).of(("branch_number",), [branch["ends"][i] for branch in branches])
+        for i, (name, text) in enumerate(texts.items())
     }
+
+
+def _each(spec: BranchSpec, column: Column, values: Sequence[Any]) -> Variable:
+    """A variable with a value at each value of the second parameter, or with one value without it."""
+    return column.of((), values[0]) if spec.also_over is None else column.of((spec.also_over.name,), values)
+
+
+def _listed(
+    spec: BranchSpec, dimension: str, columns: Sequence[Column], rows: Sequence[tuple[Any, ...]]
+) -> dict[str, Variable]:
+    """The variables of some rows, if there are any.
+
+    Each row has the number of its value of the second parameter, and then the values of the columns.
+    """
+    if not rows:
+        return {}
+    numbers, *values = zip(*rows, strict=True)
+    found = {column.name: column.of((dimension,), own) for column, own in zip(columns, values, strict=True)}
+    if spec.also_over is None:
+        return found
+    return found | _also_over(dimension, dimension, spec.also_over, np.array(spec.also_over.values)[list(numbers)])
+
+
+def _also_over(prefix: str, dimension: str, axis: Axis, values: Any) -> dict[str, Variable]:
+    """The variable of values of the second parameter along a dimension."""
+    column = Column(f"{prefix}_also_over", "f8", axis.units, axis.path)
+    return {column.name: column.of((dimension,), values)}
 
 
 def _not_followed(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
     """The motions and starts that the search found and did not follow."""
-    dimensions = () if spec.also_over is None else (spec.also_over.name,)
-    left = np.array([diagram.left_out for diagram in diagrams], dtype="i4")
-    text = "number of motions whose branches were not followed, as the effort was spent"
-    found: dict[str, Variable] = {
-        "left_out": (dimensions, left if dimensions else left[0], {"units": "1", "long_name": text})
-    }
+    left = Column("left_out", "i4", "1", "number of motions whose branches were not followed, as the effort was spent")
+    why = Column("failure_message", "O", "", "why a start, or a motion that was found, could not be followed")
     rows = [(i, reason) for i, diagram in enumerate(diagrams) for reason in diagram.failures]
-    if rows:
-        values, reasons = zip(*rows, strict=True)
-        text = "why a start, or a motion that was found, could not be followed"
-        found["failure_message"] = ("failure",), np.array(reasons, dtype=object), {"long_name": text}
-        if spec.also_over is not None:
-            at = np.array(spec.also_over.values)[list(values)]
-            found["failure_also_over"] = ("failure",), at, _at_value(spec.also_over)
-    return found
+    return {
+        "left_out": _each(spec, left, [diagram.left_out for diagram in diagrams]),
+        **_listed(spec, "failure", [why], rows),
+    }
 
 
 def _not_covered(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
     """The parts of the range that no branch covers."""
-    rows = [(i, *gap) for i, diagram in enumerate(diagrams) for gap in uncovered(spec, diagram.branches)]
-    if not rows:
-        return {}
-    values, first, last, why = zip(*rows, strict=True)
     path, units = spec.axis.path, spec.axis.units
-    variables: dict[str, Variable] = {
-        "uncovered_from": (
-            ("uncovered",),
-            np.array(first),
-            {"units": units, "long_name": f"{path} where a part of the range begins that no branch covers"},
-        ),
-        "uncovered_to": (("uncovered",), np.array(last), {"units": units, "long_name": f"{path} where it ends"}),
-        "uncovered_why": (
-            ("uncovered",),
-            np.array(why, dtype=object),
-            {"long_name": "why branches end at its ends"},
-        ),
-    }
-    if spec.also_over is not None:
-        also = spec.also_over
-        at = np.array(also.values)[list(values)]
-        variables["uncovered_also_over"] = ("uncovered",), at, {"units": also.units, "long_name": also.path}
-    return variables
-
-
-def _unknown(spec: BranchSpec, diagrams: Sequence[Diagram]) -> dict[str, Variable]:
-    """The counts of the random starts, and the probability that another start leads to an unknown branch."""
-    if not spec.starts:
-        return {}
-    dimensions, rows = () if spec.also_over is None else (spec.also_over.name,), [one.reached for one in diagrams]
-
-    def column(kind: str, text: str, values: Sequence[float | None]) -> Variable:
-        known = np.array([np.nan if one is None else one for one in values], dtype=kind)
-        return dimensions, known if dimensions else known[0], {"units": "1", "long_name": text}
-
-    columns: dict[str, tuple[str, str, list[float | None]]] = {
-        "starts_stable": ("i4", "number of random starts that led to a stable motion", [one.starts for one in rows]),
-        "starts_branches": ("i4", "number of branches that these motions lie on", [one.branches for one in rows]),
-        "starts_alone": (
-            "i4",
-            "number of those branches to which nothing leads but one start",
-            [one.alone for one in rows],
-        ),
-        "unknown_probability": (
-            "f8",
-            "probability that another random start, if it leads to a stable motion, leads to an unknown branch; "
-            "NaN where no start led to a stable motion",
-            [one.probability for one in rows],
-        ),
-        "unknown_probability_bound": (
-            "f8",
-            "what that probability exceeds in about one search of twenty",
-            [one.bound for one in rows],
-        ),
-    }
-    return {name: column(*one) for name, one in columns.items()}
-
-
-def _second_axis(axis: Axis) -> dict[str, Variable]:
-    """The values of the second parameter, as a coordinate."""
-    return {axis.name: ((axis.name,), np.array(axis.values), {**_at_value(axis), "path": axis.path})}
+    columns = [
+        Column("uncovered_from", "f8", units, f"{path} where a part of the range begins that no branch covers"),
+        Column("uncovered_to", "f8", units, f"{path} where it ends"),
+        Column("uncovered_why", "O", "", "why branches end at its ends"),
+    ]
+    rows = [(i, *gap) for i, diagram in enumerate(diagrams) for gap in uncovered(spec, diagram.branches)]
+    return _listed(spec, "uncovered", columns, rows)
 
 
 def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variable]) -> dict[str, Variable]:
@@ -321,22 +328,10 @@ def _second(axis: Axis, diagrams: Sequence[Diagram], known: Mapping[str, Variabl
     loci = loci_of(axis.values, labels, at[owner], known["bifurcation_value"][1], impulses, largest)
     text = "number of the locus: bifurcations at neighbouring values of the second number that are one have the same"
     return {
-        "branch_also_over": (("branch_number",), at, _at_value(axis)),
-        "bifurcation_also_over": (("bifurcation",), at[owner], _at_value(axis)),
-        "bifurcation_locus": (("bifurcation",), loci.astype("i4"), {"units": "1", "long_name": text}),
+        **_also_over("branch", "branch_number", axis, at),
+        **_also_over("bifurcation", "bifurcation", axis, at[owner]),
+        "bifurcation_locus": Column("", "i4", "1", text).of(("bifurcation",), loci),
     }
-
-
-def _at_value(axis: Axis) -> dict[str, Any]:
-    return {"units": axis.units, "long_name": axis.path}
-
-
-def _table(rows: Sequence[Sequence[float]], width: int) -> Any:
-    return np.array([tuple(row) for row in rows], dtype=float).reshape(len(rows), width)
-
-
-def _with_units(units: str, text: str) -> dict[str, Any]:
-    return {"units": units, "long_name": text}
 
 
 def _attributes(spec: BranchSpec) -> dict[str, Any]:
@@ -360,20 +355,8 @@ def _attributes(spec: BranchSpec) -> dict[str, Any]:
 
 
 def uncovered(spec: BranchSpec, branches: Sequence[Mapping[str, Any]]) -> list[tuple[float, float, str]]:
-    """The parts of the range that no branch covers.
-
-    Parameters
-    ----------
-    spec : BranchSpec
-        What was looked for.
-    branches : sequence of mapping
-        The branches, as `lapjoint.campaigns.branches.solve.solve_branch` gives them.
-
-    Returns
-    -------
-    list of tuple of float, float and str
-        Where each begins and ends, in the SI unit of the parameter, ascending, and why branches end there.
-    """
+    """The parts of the range that no branch covers: where each begins and ends, in the SI unit of the parameter,
+    ascending, and why branches end there."""
     low, high = spec.axis.values
     near = _AT * (high - low)
     covered = sorted((*_extent(branch), i) for i, branch in enumerate(branches))

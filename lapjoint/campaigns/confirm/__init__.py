@@ -1,5 +1,1 @@
 """The bifurcations of branches looked for by another solver: the question, how it is answered, and the table."""
-
-from lapjoint.campaigns.confirm.running import confirm
-
-__all__ = ["confirm"]

@@ -14,7 +14,8 @@ import numpy as np
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
 from lapjoint.campaigns.branches.table import KINDS
 from lapjoint.campaigns.grid import Axis
-from lapjoint.campaigns.identity import check_integer, digest_of, versions
+from lapjoint.campaigns.identity import check_seed, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml
 from lapjoint.solver import Solver
@@ -45,7 +46,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class ConfirmSpec:
+class ConfirmSpec(Spec):
     """Everything that a confirmation depends on; most fields are the arguments of `lapjoint.confirm`."""
 
     noun: ClassVar[str] = "confirmation"
@@ -92,11 +93,6 @@ class ConfirmSpec:
             "versions": versions(),
         }
 
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)
-
 
 def confirm_spec(
     found: xr.Dataset, solver: str, options: Mapping[str, Any], share: float = 1.0, seed: int = 0
@@ -105,7 +101,7 @@ def confirm_spec(
 
     InputError is raised if an argument is not allowed, or the dataset has nothing that can be confirmed.
     """
-    check_integer("seed", seed, 0, 2**63 - 1)
+    check_seed(seed)
     if isinstance(share, bool) or not isinstance(share, int | float) or not 0 < share <= 1:
         raise InputError(f"share = {share!r}: must be above 0, and at most 1")
     if "bifurcation_arcs" not in found:

@@ -13,11 +13,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.problem.random_motion import LARGEST_SEED
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 from lapjoint.summaries.measure import Measure, measure
 from lapjoint.summaries.quantities import selection
 
@@ -26,7 +27,7 @@ MOST_SEEDS = 100_000
 
 
 @dataclass(frozen=True)
-class Realisations:
+class Realisations(Spec):
     """Everything that statistics depend on; the fields are the arguments of `lapjoint.statistics`.
 
     InputError is raised if the number of realisations, `seeds`, is not allowed.
@@ -60,7 +61,7 @@ class Realisations:
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or the motions cannot be summarised so."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         self.measure(solver)
         return solver
 
@@ -90,11 +91,6 @@ class Realisations:
             "options": dict(self.options),
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)
 
 
 def lasting(problem: Problem, duration: float | None) -> float:

@@ -17,48 +17,25 @@ import numpy as np
 
 from lapjoint.campaigns.dataset import SWEEP
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.identity import check_integer, digest_of, problem_identity, versions
+from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
+from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
-from lapjoint.solver import Solver, make_solver
+from lapjoint.solver import Solver
 from lapjoint.summaries.of_orbit import check_names
 
 Start = Literal["rest", "up", "down", "random"]
-"""How motions start; `Plan` defines the words."""
+"""How motions start: from the problem's own initial state; from the section point at which the motion before settled,
+along the first axis, ascending or descending; from a random initial state."""
 MOST_STARTS = 10_000
 """Largest number of starts at a point."""
 
 
 @dataclass(frozen=True)
-class Plan:
-    """Everything that the answers of a sweep depend on.
+class Plan(Spec):
+    """Everything that a sweep depends on; the fields are the arguments of `lapjoint.sweep`, with problem and axes as
+    `grid`.
 
-    Parameters
-    ----------
-    grid : Grid
-        The problem and the axes.
-    solver : str
-        Entry-point name of the solver.
-    options : mapping
-        Numerical options of the solver.
-    start : {"rest", "up", "down", "random"}
-        "rest": every motion starts from the problem's own initial state.  "up", "down": each motion starts from the
-        section point at which the one before it has settled, along the first axis, ascending or descending.
-        "random": every motion starts from a random initial state.
-    starts : int
-        Number of starts at each point; with "rest", the starts after the first are random.
-    seed : int
-        Seed of the random initial states.
-    sensitivity : bool
-        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
-    errors : bool
-        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
-    summary : tuple of str
-        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`.
-
-    Raises
-    ------
-    InputError
-        If a parameter is not allowed.
+    InputError is raised if a value is not allowed.
     """
 
     noun: ClassVar[str] = SWEEP
@@ -81,7 +58,7 @@ class Plan:
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)
-        check_integer("seed", self.seed, 0, 2**63 - 1)
+        check_seed(self.seed)
         if self.chained and self.starts > 1:
             raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
 
@@ -115,7 +92,7 @@ class Plan:
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or a point has no valid problem."""
-        solver = make_solver(self.solver, **self.options)
+        solver = super().check()
         self.grid.check()
         return solver
 
@@ -135,8 +112,3 @@ class Plan:
             **({"summary": list(self.summary)} if self.summary else {}),  # as before where there is none
             "versions": versions(),
         }
-
-    @cached_property
-    def fingerprint(self) -> str:
-        """A digest of the identity, in hexadecimal digits."""
-        return digest_of(self.identity, self.options)

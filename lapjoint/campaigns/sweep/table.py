@@ -17,12 +17,14 @@ import numpy as np
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.dataset import (
+    IMPULSE,
     OUTCOME_FLAGS,
+    RESIDUAL,
+    YES_NO,
     Column,
     Variable,
     attributes_of,
     axis_coordinate,
-    flags,
     read_result,
     stop_names,
     stop_sides,
@@ -43,12 +45,6 @@ _COMMENT = " ".join(f"{name.lower()}: {sentence}" for name, sentence in zip(OUTC
 _OUTCOME = Column(
     "outcome", "i1", "", "what the search for a steady state established", {**OUTCOME_FLAGS, "comment": _COMMENT}
 )
-_IMPULSE = Column(
-    "impulse",
-    "f8",
-    "N s",
-    "impulse of the stop over one excitation period; positive at the top, negative at the bottom",
-)
 _IMPULSE_ERROR = Column(
     "impulse_error",
     "f8",
@@ -60,7 +56,7 @@ _OF_POINTS = (
     Column(
         "period_multiple", "i4", "1", "excitation periods after which the motion repeats; 0: it was not found to repeat"
     ),
-    Column("residual", "f8", "1", "distance between start and end of the motion, relative to its size"),
+    RESIDUAL,
     Column("multiplier_real", "f8", "1", f"real part of {_LEADING}"),
     Column("multiplier_imag", "f8", "1", f"imaginary part of {_LEADING}"),
     Column("exponent", "f8", "s-1", "largest Lyapunov exponent, measured where the motion does not repeat"),
@@ -70,24 +66,17 @@ _OF_POINTS = (
 """Variables of each point; the names are those of the fields of `Point`."""
 _GROWTH = Column("growth", "f8", "1", "largest factor by which a deviation grew on the way to the motion")
 _LAST = (
-    Column(
-        "symmetric",
-        "i1",
-        "",
-        "whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)",
-        flags(("no", "yes")),
-    ),
+    Column("symmetric", "i1", "", "whether half the motion's period mirrors it, z(x, t + T/2) = -z(x, t)", YES_NO),
     Column("message", "O", "", "why the solver gave up; empty where it did not"),
 )
 _CUT = {"flag_masks": np.array([CUT_AT_START, CUT_AT_END], dtype="i1"), "flag_meanings": "cut_at_start cut_at_end"}
+_SIGNED = "time integral of the stop's force; positive at the top, negative at the bottom"
 _CONTACTS = (
     Column("contact_stop", "i4", "", "index of the stop, from 0", {"comment": "index along the dimension stop"}),
-    Column("contact_start", "f8", "s", "time of impact, since the start of the motion that is kept"),
-    Column("contact_duration", "f8", "s", "time in contact"),
-    Column(
-        "contact_impulse", "f8", "N s", "time integral of the stop's force; positive at the top, negative at the bottom"
-    ),
-    Column("contact_peak_force", "f8", "N", "largest force of the stop"),
+    Column("contact_start", "f8", "s", "time of impact, since the start of the motion that is kept", text_first=True),
+    Column("contact_duration", "f8", "s", "time in contact", text_first=True),
+    Column("contact_impulse", "f8", "N s", _SIGNED, text_first=True),
+    Column("contact_peak_force", "f8", "N", "largest force of the stop", text_first=True),
     Column(
         "contact_cut", "i1", "", "whether the contact is cut by the start or the end of the motion that is kept", _CUT
     ),
@@ -145,7 +134,7 @@ def _impulses(plan: Plan, answers: _Answers) -> dict[str, Variable]:
     stops = len(plan.grid.problem.stops)
     none = (np.nan,) * stops
     impulses = [point.impulses if point.outcome != FAILED else none for point in answers.points]
-    found = {"impulse": answers.tabulated(_IMPULSE, impulses, stops)}
+    found = {"impulse": answers.tabulated(IMPULSE, impulses, stops)}
     if plan.errors:
         errors = [point.impulse_errors or none for point in answers.points]
         found["impulse_error"] = answers.tabulated(_IMPULSE_ERROR, errors, stops)
@@ -156,8 +145,7 @@ def _certificates(plan: Plan, answers: _Answers) -> dict[str, Variable]:
     codes = [OUTCOME_CODES[point.outcome] for point in answers.points]
     found = {"outcome": answers.tabulated(_OUTCOME, codes)}
     for column in (*_OF_POINTS, *((_GROWTH,) if plan.sensitivity else ()), *_LAST):
-        values = [getattr(point, column.name) for point in answers.points]
-        found[column.name] = answers.tabulated(column, values)
+        found[column.name] = answers.tabulated(column, column.values(answers.points))
     return found
 
 
@@ -172,8 +160,7 @@ def _contacts(answers: _Answers) -> dict[str, Variable]:
     found = {"contact_count": answers.tabulated(count, [len(point.contacts) for point in answers.points])}
     rows = [contact for point in answers.points for contact in point.contacts]
     for i, column in enumerate(_CONTACTS):
-        _, values, attributes = column.of(("contact",), [row[i] for row in rows])
-        found[column.name] = ("contact",), values, {"long_name": column.text, **attributes}  # in the files' sequence
+        found[column.name] = column.of(("contact",), [row[i] for row in rows])
     return found
 
 

@@ -27,19 +27,19 @@ Kind = Literal["fold", "flip", "neimark-sacker"]
 _PASSING: dict[Kind, int] = {"fold": 1, "flip": 1, "neimark-sacker": 2}
 """Number of multipliers that pass the unit circle at a bifurcation."""
 _HALVINGS = 8
-"""Largest number of times that a step is halved to tell its bifurcations apart, to a 256th of the step; also the
-largest number of iterations to the place where two multipliers meet, of which two or three are needed."""
+"""Largest number of times that a step is halved to tell its bifurcations apart, down to a 256th of the step; also the
+largest number of iterations to the point where two multipliers meet, of which two or three are needed."""
 _COUPLED = 0.5
-"""Least distance by which two multipliers that meet must part, estimated to first order, divided by their distance from
-the unit circle, for the meeting to be located.  The first-order estimate is accurate to about a half."""
+"""Least first-order estimate of the difference in modulus after two multipliers have met, divided by their distance
+from the unit circle, with which the meeting is located.  The estimate is accurate to about a half."""
 _FAINT = 1e-4
-"""Modulus of a multiplier below which its products with other multipliers are not near 1: all others are below 1e4."""
+"""Modulus of a multiplier below which its products with other multipliers are far from 1, as all are below 1e4."""
 _AT_GRAZE = 1e-5
 """Arclength between a graze and the nearest motions whose multipliers are evaluated.  At a graze the time of a switch
 has no derivative by the section, and multipliers exist as limits only."""
 _CRITICAL = 1e-2
-"""Largest distance from 1 of minus the multiplier at a flip, or of the product at a Neimark-Sacker bifurcation.  Beside
-a graze both change by up to 1e6 per unit of arclength, and Newton's method leaves an arclength of 1e-9."""
+"""Largest distance from 1 of minus the multiplier at a flip, or of the product at a Neimark-Sacker bifurcation.  Near a
+graze both change by up to 1e6 per unit of arclength, and Newton's method leaves an error of 1e-9 in arclength."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def _pairs(point: CurvePoint) -> tuple[ComplexArray, ComplexArray]:
 
 
 def _signed(factors: ComplexArray) -> float:
-    """The size of the least factor, with the sign of the product of all factors, which is real and may overflow."""
+    """The modulus of the least factor, with the sign of the product of all factors, which is real but may overflow."""
     sizes = np.abs(factors)
     least = float(sizes.min(initial=np.inf))
     return least * float(np.sign(np.prod(factors / sizes).real)) if 0 < least < np.inf else least
@@ -150,12 +150,10 @@ def _between(
 def _met(
     stretch: Stretch, start: tuple[float, CurvePoint], end: tuple[float, CurvePoint]
 ) -> tuple[float, CurvePoint] | None:
-    """A point where two multipliers that meet within a step have crossed the unit circle together; None if there is
-    none.
+    """A point at which two multipliers that meet within a step have left the unit circle; None if there is none.
 
-    Two multipliers of one modulus that meet may differ in modulus for a while, and become equal in modulus again: the
-    number of multipliers outside the circle is then the same at both ends of the step.  Multipliers that met have
-    exchanged their angles.
+    Two multipliers of one modulus that meet may differ in modulus for a while, and then have one modulus again.  The
+    number of multipliers outside the circle is then equal at both ends of the step, and the two have exchanged angles.
     """
     if int((np.abs(start[1].multipliers) > _FAINT).sum()) < 2:
         return None
@@ -182,7 +180,7 @@ def _met(
                 return point
             apart = float(np.angle(here[i] * here[j].conj()))
             if abs(apart) <= abs(np.log(max(abs(here[i]), _FAINT))):
-                break  # were they to part far enough, they would be together here
+                break  # the two meet near here, but part too little to cross the unit circle
             if apart * before > 0:
                 low, before = point[0], apart
             else:
@@ -191,8 +189,7 @@ def _met(
 
 
 def _matched(size: int, vectors: ComplexArray, point: CurvePoint) -> ComplexArray | None:
-    """The multipliers of a point, each at the place of the eigenvector in `vectors` that it belongs to; None if the
-    numbers differ."""
+    """The multipliers of a point in the order of their eigenvectors in `vectors`; None if the numbers differ."""
     mu, own = point.linearisation.modes
     if mu.size != size:
         return None
@@ -260,10 +257,10 @@ def _at_graze(point: CurvePoint) -> bool:
 
 
 def is_critical(kind: Kind, point: CurvePoint) -> bool:
-    """Whether the multipliers at a zero of a test function are those of its bifurcation.
+    """Whether a zero of a test function is a bifurcation, by its multipliers.
 
-    They are not where a multiplier passes infinity, because the test function then jumps from one sign to the other.
-    They are not, either, where the pair with product 1 is the real pair of a saddle.
+    It is none where a multiplier passes infinity, so that the test function jumps from one sign to the other.  It is
+    none, either, where the pair with product 1 is the real pair of a saddle.
     """
     if kind == "fold":
         return True
@@ -310,8 +307,8 @@ def beside(start: CurvePoint, length: float, near: CurvePoint | None = None, exa
     """The curve point in the hyperplane at the arclength `length`, of either sign, along the tangent of `start`; None
     if none is found.
 
-    Newton's method begins at `near`, a nearer point of the curve, if one is known.  The tangent of the result points
-    the same way along the curve.
+    Newton's method begins at `near`, a nearer point of the curve, if one is known.  The tangent of the result has the
+    direction of the tangent of `start` along the curve.
     """
     near = start if near is None else near
     rate = float(start.tangent @ (near.tangent * near.scale / start.scale))

@@ -30,16 +30,16 @@ class BoundaryProblem:
     resolution: Resolution
     """The solver at one resolution, and the parameter."""
     sequence: ContactSequence
-    """Which stops switch between the section and its image, ``M`` events."""
+    """The stops that switch between the section and its image, ``M`` events."""
     half_periods: int
     """Number of half periods of the excitation after which the motion repeats; an odd number means that it repeats
     mirrored."""
     phase: float
     """Time of the section, divided by the excitation period, from 0 to 1."""
     tied: frozenset[int] = frozenset()
-    """Events that happen together with the event before, of another stop: the arc between has no duration, and the
-    equation of the first event of such a group stands for the group.  Equal stops at x and L - x switch together in a
-    motion that mirrors itself along the beam."""
+    """Events that are simultaneous with the previous event, of another stop: the arc between them has no duration, and
+    the equation of the first event of the group stands for all.  In a motion that is symmetric about the middle of the
+    beam, equal stops at x and L - x switch together."""
 
     @property
     def events(self) -> int:
@@ -53,8 +53,8 @@ class BoundaryProblem:
         return np.array([i for i in range(self.events) if i not in self.tied], dtype=np.intp)
 
     def packed(self, x: FloatArray, shares: FloatArray, value: float) -> FloatArray:
-        """The unknowns u, shape (n + F + 1,), of section `x`, shape (n,), durations `shares` divided by the length,
-        shape (M,) or (M + 1,), and parameter `value`."""
+        """The unknowns u, shape (n + F + 1,): section `x`, (n,), durations divided by the length, `shares`, (M,) or (M
+        + 1,), and parameter `value`."""
         return np.concatenate([x, np.asarray(shares, dtype=float)[self.free], [value]])
 
     def coordinates(self, u: FloatArray) -> int:
@@ -66,7 +66,8 @@ class BoundaryProblem:
         return self.coordinates(u) + int(np.searchsorted(self.free, arc))
 
     def group(self, event: int) -> range:
-        """Indices of the events that happen together with an event, itself included; the first of them is not tied."""
+        """Indices of the events that are simultaneous with an event, including the event itself; the first of them is
+        not tied."""
         first, last = event, event + 1
         while first in self.tied:
             first -= 1
@@ -75,7 +76,7 @@ class BoundaryProblem:
         return range(first, last)
 
     def arcs(self, u: FloatArray) -> Arcs:
-        """The arcs of the problem with the parameter that is the last of the unknowns `u`, shape (n + F + 1,)."""
+        """The arcs of the problem at the parameter, which is the last of the unknowns `u`, shape (n + F + 1,)."""
         return self.resolution.arcs(float(u[-1]))
 
     def shares(self, u: FloatArray) -> FloatArray:
@@ -98,8 +99,7 @@ class BoundaryProblem:
         return self.phase * self.arcs(u).period
 
     def chain(self, u: FloatArray, derivatives: bool = False) -> Chain:
-        """The arcs of a set of unknowns, shape (n + F + 1,), with their derivatives if asked; the unknowns need not
-        solve the equations."""
+        """The arcs of unknowns, shape (n + F + 1,), which need not solve the equations; optionally with derivatives."""
         arcs, x, number = self.arcs(u), u[: self.coordinates(u)], self.resolution.path
         times = self.phase * arcs.period, self._length(arcs) * self.shares(u)
         return arcs.chain(self.sequence, x, *times, derivatives, number if derivatives else None)
@@ -121,7 +121,7 @@ class BoundaryProblem:
         by_all = np.concatenate([self._sign * chain.end_by, chain.events_by[free]])
         J[:, :n] = by_all[:, :n]
         J.ravel()[: n * J.shape[1] : J.shape[1] + 1] -= 1.0
-        J[:, n:-1] = self.length(u) * (by_all[:, n + free] - by_all[:, -1:])  # the last arc takes what is left
+        J[:, n:-1] = self.length(u) * (by_all[:, n + free] - by_all[:, -1:])  # the last arc has the rest of the length
         if chain.by_number is None:
             step, moved = self.resolution.difference_step(float(u[-1])), u.copy()
             moved[-1] += step
@@ -151,8 +151,8 @@ class Linearisation:
 
     @cached_property
     def monodromy(self) -> FloatArray:
-        """Derivative of the section's image by the section, with the events at their switching times, shape ``(n,
-        n)``."""
+        """Derivative of the section's image by the section, with the events moving to their switching times, shape
+        ``(n, n)``."""
         n = self.chain.end.size
         J = self.jacobian[:, :-1]
         A, B, C, D = J[:n, :n] + np.eye(n), J[:n, n:], J[n:, :n], J[n:, n:]

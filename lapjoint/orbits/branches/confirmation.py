@@ -24,8 +24,8 @@ Verdict = Literal["agrees", "apart", "not found", "no error stated"]
 _SAMPLES = 401
 """Number of places along the beam at which a motion is sampled; Newton's method corrects the error of sampling."""
 _TRIED = 3
-"""Largest number of resolutions of the other solver from which a search begins: the coarsest may lack a bifurcation
-that finer ones have."""
+"""Largest number of resolutions of the other solver at which a search begins: the coarsest resolution may lack a
+bifurcation that finer resolutions have."""
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Confirmation:
     """The result of locating a bifurcation or graze by another solver."""
 
     verdict: Verdict
-    """``agrees`` if the values differ by at most the sum of their errors, ``apart`` if by more, ``not found``, or ``no
-    error stated`` where an error is infinite."""
+    """``agrees`` if the values differ by at most the sum of their errors, ``apart`` if they differ by more, ``not
+    found``, or ``no error stated`` if an error is infinite."""
     other: Stated | None
     """The other solver's bifurcation or graze with its error; None if it is not found."""
 
@@ -43,8 +43,8 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
     """Locate a bifurcation or graze by another solver, over the same range.
 
     The other solver begins with its coarsest resolution, and tries up to `_TRIED` resolutions until the verdict is
-    ``agrees`` or ``apart``.  The verdict ``apart`` counts only if the first solver, from there, locates its own
-    bifurcation again; otherwise the verdict before stays, at first ``not found``.
+    ``agrees`` or ``apart``.  The verdict ``apart`` counts only if the first solver, from the other solver's motion,
+    locates its own bifurcation again; otherwise the previous verdict remains, at first ``not found``.
     """
     best = Confirmation("not found", None)
     for resolution in islice(other.resolution(one.value).and_finer(), _TRIED):
@@ -59,8 +59,8 @@ def confirmed(one: Stated, other: ParameterRange) -> Confirmation:
 
 
 def located(what: Located, resolution: Resolution) -> Stated | None:
-    """A bifurcation or graze by another solver, with its error from `resolution` and finer ones; None if it is not
-    found nearby."""
+    """A bifurcation or graze by another solver, with its error from `resolution` and finer resolutions; None if it is
+    not found nearby."""
     found = again(what, partial(shaped, resolution=resolution))
     return None if found is None else stated(found)
 
@@ -71,7 +71,7 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
     history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.beam.length
-    x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # close at the ends, for their slopes
+    x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # dense at the ends, for the slopes there
     x[0], x[-1] = 0.0, length
     z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
     shape = SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))

@@ -31,10 +31,8 @@ Step = Stretch | SequenceChange | End
 
 
 def follow(start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve in the direction of a point's tangent: yield its steps in sequence, the changes between them, and
-    last why the curve ends.
-
-    The start is not yielded again.
+    """Follow a curve in the direction of a point's tangent: yield its steps and the changes between them, and finally
+    its end.
     """
     options = start.problem.resolution.options
     here, step, last = start, options.first_step, None
@@ -44,7 +42,7 @@ def follow(start: CurvePoint) -> Iterator[Step]:
             step *= 0.5
             continue
         there = violated(new)
-        if there and last is not None:  # what has just changed leaves zero first
+        if there and last is not None:  # monitors of the last change leave zero first
             step *= 0.5
             if step <= options.smallest_step:
                 yield End("graze")
@@ -87,11 +85,10 @@ def follow(start: CurvePoint) -> Iterator[Step]:
 
 
 def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
-    """The first motion of the joint beyond a change whose new arc is on the wrong side of its stop while the arc is
-    short.
+    """The first motion of the joint beyond a change whose new arc, while short, is on the wrong side of its stop.
 
-    There the equations have solutions that the joint cannot follow.  None if no motion of the joint lies within the
-    largest step of the curve.
+    The solutions of the equations with a short arc are not motions of the joint.  None if no motion of the joint lies
+    within the largest step of the curve.
     """
     here, stop = change.after, change.stops[0]
     assert here is not None
@@ -112,8 +109,7 @@ def _beyond(change: SequenceChange, arc: int) -> CurvePoint | None:
 
 
 def _next(here: CurvePoint, step: float) -> tuple[CurvePoint | None, bool]:
-    """The point one step along a curve, or at the end of the range if the end is nearer; and whether it is at the
-    end."""
+    """The point one step along a curve, or at the end of the range if that is nearer; and whether it is at the end."""
     resolution, value = here.problem.resolution, float(here.predicted(step)[-1])
     if resolution.low < value < resolution.high:
         new = stepped(here, step)
@@ -137,10 +133,10 @@ def at_value(here: CurvePoint, value: float, most: float) -> CurvePoint | None:
 
 
 def stepped(here: CurvePoint, length: float) -> CurvePoint | None:
-    """The point one step of arclength `length` along a curve, of either sign; None if Newton's method finds none, or a
-    point too far from the tangent.
+    """The point one step of arclength `length`, of either sign, along a curve; None if none is found near the tangent.
 
-    The end of an evenly curved step that turns by an angle is half of the angle times the step away from the tangent.
+    If a curve of constant curvature turns by an angle over the step, the distance from the tangent is half of the angle
+    times the step.
     """
     guess = here.predicted(length)
     new = solved(here.problem, guess, here.scale, here.tangent)
@@ -152,7 +148,7 @@ def _going_on(here: CurvePoint, found: CurvePoint | None) -> CurvePoint | None:
     """`found` as the next point of a curve; None if it is on another part of the curve, or the curve turns too much.
 
     A point is on another part of the curve if its orientation differs, unless the curve has met the curve of motions
-    that repeat in half of the time.  It is there, too, if the parameter has changed against the tangents at both ends.
+    that repeat in half of the time.  It is also on another part if the parameter changed against both tangents.
     """
     if found is None:
         return None
@@ -179,9 +175,9 @@ def _turn(here: CurvePoint, new: CurvePoint) -> float:
 
 
 def centred(point: CurvePoint) -> CurvePoint:
-    """The motion of a point, its section moved to the middle of the longest arc if an event has come near the section.
+    """The motion of a point, with its section moved to the middle of the longest arc if an event is near the section.
 
-    The tangent keeps its direction along the curve.
+    The direction of the tangent along the curve is unchanged.
     """
     shares = point.shares
     if point.problem.events < 2:

@@ -1,10 +1,10 @@
-"""Errors of bifurcations and grazes: each is located again at finer resolutions, each time from the resolution before.
+"""Errors of bifurcations and grazes: each is located again at finer resolutions, each time from the previous one.
 
-The value stated is the value at the finest resolution used.  Its error is the bound that the last refinement gives, or,
-if larger, the bound of the refinement before, reduced by the order of convergence (see `lapjoint.orbits.refinement`):
-two resolutions may agree by chance.  For a graze, the distance between the values on both sides is added.  Resolutions
-are refined at least twice, until the error is at most `AIM`.  The error is infinite if a resolution does not locate the
-bifurcation nearby.
+The stated value is the value at the finest resolution used.  Its error is the bound by the last refinement or, if
+larger, the bound by the previous refinement, reduced by the order of convergence (see `lapjoint.orbits.refinement`),
+because two resolutions may agree by chance.  For a graze, the distance between the values on both sides is added.
+Resolutions are refined at least twice, until the error is at most `AIM`.  The error is infinite if a resolution does
+not locate the bifurcation nearby.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ _NEAR = 0.05
 
 Located = Bifurcation | SequenceChange
 Carry = Callable[[CurvePoint], tuple[BoundaryProblem, FloatArray] | None]
-"""Takes a motion to another resolution: its equations there, and a guess of the unknowns, shape (n + F + 1,); None if
-the motion does not exist there."""
+"""A function that converts a motion to another resolution: its equations there, and a guess of the unknowns, shape (n +
+F + 1,); None if the motion does not exist there."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Stated:
     value: float
     """The parameter, in its SI unit."""
     error: float
-    """Bound of the value's error, in the unit of the value; infinite where none can be stated."""
+    """Bound on the value's error, in the unit of the value; infinite if no error can be stated."""
     what: Located = field(repr=False)
     """The bifurcation or graze at the finest resolution."""
 
@@ -93,7 +93,7 @@ def again(what: Located, carry: Carry) -> Located | None:
 
 
 def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion taken to another resolution of its solver; None if the section has another contact state there."""
+    """A motion converted to another resolution of its solver; None if the section has another contact state there."""
     section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
     return with_section(point, resolution, resolution.map(point.value).adopted(section))
 
@@ -101,7 +101,7 @@ def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem,
 def with_section(
     point: CurvePoint, resolution: Resolution, section: SectionPoint
 ) -> tuple[BoundaryProblem, FloatArray] | None:
-    """A motion at another resolution at which its section is known; durations and parameter are kept."""
+    """A motion at another resolution, where its section is known, with unchanged durations and parameter."""
     if section.state != point.problem.sequence.first:
         return None
     coordinates = resolution.arcs(point.value).coordinates(section)
@@ -109,7 +109,7 @@ def with_section(
 
 
 def _bound(refinement: Refinement, apart: float) -> float:
-    """Bound of the error of a value that differs by `apart` at a finer resolution."""
+    """Bound on the error of a value that differs by `apart` at a finer resolution."""
     return float(refinement.bounds(np.array([apart]), abs(apart))[0])
 
 
@@ -178,7 +178,7 @@ def _graze(what: SequenceChange, carry: Carry) -> SequenceChange | None:
 
 
 def _far(point: CurvePoint, guess: FloatArray) -> bool:
-    """Whether a point is farther from its guess than a bifurcation may lie at two resolutions."""
+    """Whether a point is farther from its guess than a bifurcation may move between two resolutions."""
     return float(np.linalg.norm((point.u - guess) / point.scale)) > _NEAR
 
 

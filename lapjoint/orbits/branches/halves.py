@@ -1,8 +1,8 @@
-"""Motions that repeat in half of their time, and motions that spring from them: at flips and broken symmetries.
+"""Motions that repeat in half of their time, and the branches that begin on them, at flips and broken symmetries.
 
-A motion of twice as many half periods springs where a multiplier passes -1.  Its first half differs from the motion at
-the flip by the multiplier's eigenvector, its second half by the opposite vector.  Where both branches meet again, this
-difference passes zero.
+Where a multiplier passes -1, a branch of motions with twice as many half periods begins (*springs*).  The first half of
+a motion of this branch differs from the motion at the flip by the multiplier's eigenvector, its second half by the
+opposite vector.  Where both branches meet again, this difference passes zero.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 _AWAY = tuple(1e-2 * 0.5**k for k in range(14))
-"""Arclengths from a bifurcation at which a motion of the springing branch is looked for, in turn, each half of the
-length before.  The first finds a motion unless the branch is narrower, or grazes a stop before.  Much nearer to a
-graze, rounding decides whether Newton's method finds a motion.  Each length is tried to either side: motions on both
-sides are images of each other, except for the part of a motion that the solver loses at a change of contact state."""
+"""Arclengths from a bifurcation at which a motion of the springing branch is searched, in turn, each half of the
+previous length.  At the first length there is a motion unless the branch is narrower, or grazes a stop before.  Much
+nearer to a graze, rounding decides whether Newton's method finds a motion.  Each length is tried on both sides: the
+motions there are images of each other, except for the part of a motion that the solver loses at a change of contact
+state."""
 
 
 def springing(point: CurvePoint) -> CurvePoint | None:
-    """A motion of the branch that springs where a motion has a multiplier of -1; None if Newton's method finds none.
+    """A motion of the branch that springs at a motion with a multiplier of -1; None if Newton's method finds none.
 
     The tangent of the new point leads away from the bifurcation.
     """
@@ -40,15 +41,14 @@ def springing(point: CurvePoint) -> CurvePoint | None:
         new = solved(problem, u + length * scale * row, scale, row)
         missed = None if new is None else half_difference(new)
         if missed is not None and float(np.linalg.norm(missed)) <= SAME * length / _AWAY[0]:
-            continue  # the motion that it springs from, twice
+            continue  # the motion from which the branch springs, twice
         if new is not None and not violated(new):
             return new if float(new.tangent @ (row * scale / new.scale)) > 0 else new.turned()
     return None
 
 
 def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray]:
-    """The motion of a point taken twice, and the direction in which a motion of twice the length differs from the
-    motion."""
+    """The motion of a point, taken twice, and the direction in which a motion of twice the length differs from it."""
     problem, n, M = point.problem, point.coordinates, point.problem.events
     twins = mirror_twins(problem.arcs(point.u).problem) if problem.half_periods % 2 else None
     stops = problem.sequence.stops
@@ -73,11 +73,11 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
 
 
 def beside_graze(change: SequenceChange) -> CurvePoint | None:
-    """A motion of twice the length beside a graze, in which only one half has the contact.
+    """A motion of twice the length near a graze, with the contact in one half only.
 
     At the graze the motion taken twice, with the contact of zero duration in one half only, solves the equations.  Most
-    branches that spring there lead to a flip just beside the graze, where a motion of the branch is found already.  The
-    motion is therefore looked for only at the largest arclength of those tried at a flip.
+    branches that spring there lead to a flip very near the graze, at which a motion of the branch is found anyway.  The
+    search near the graze is therefore made only at the largest arclength that is tried at a flip.
 
     Parameters
     ----------
@@ -87,7 +87,8 @@ def beside_graze(change: SequenceChange) -> CurvePoint | None:
     Returns
     -------
     CurvePoint, or None
-        Its tangent leads away from the graze; None if there is none at that arclength, or events are tied at the graze.
+        The motion, with a tangent that leads away from the graze; None if none is found, or events are tied at the
+        graze.
     """
     more = change.more
     if more is None or more.problem.tied or change.reverses is not None:
@@ -108,7 +109,7 @@ def beside_graze(change: SequenceChange) -> CurvePoint | None:
 
 
 def half_difference(point: CurvePoint) -> FloatArray | None:
-    """Difference between a motion and itself half of its time later, in scaled coordinates of the section, shape (n,).
+    """Difference between a motion at the section and half of its time later, in scaled coordinates, shape (n,).
 
     None if the contact sequences of both halves differ, or half of the time is no period of the problem.
     """
@@ -130,29 +131,29 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
 
 
 def halves_exchange(here: CurvePoint, new: CurvePoint) -> bool:
-    """Whether the difference of both halves passes zero between two points of a curve: motions of half the time branch
-    there."""
+    """Whether the difference of both halves passes zero between two points of a curve, where motions of half the time
+    branch."""
     first, last = half_difference(here), half_difference(new)
     return first is not None and last is not None and float(first @ last) < 0
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Where a branch meets the branch of motions that repeat in half of the time."""
+    """A point at which a branch meets the branch of motions that repeat in half of the time."""
 
     point: CurvePoint
-    """The motion where they meet, as a point of the branch that ends there."""
+    """The motion at the meeting, as a point of the branch that ends there."""
     mother: CurvePoint
-    """The motion where they meet, as one that repeats in half of the time; the branch springs at its multiplier -1."""
+    """The motion at the meeting, as a motion that repeats in half of the time, with the multiplier -1."""
 
 
 def meeting(stretch: Stretch) -> Meeting | None:
-    """Where a branch comes to motions that repeat in half of the time, in a step or just beyond it; None if nowhere.
+    """The meeting of a branch with motions that repeat in half of the time, in a step or just beyond it, if any.
 
-    At the meeting the equations of the branch are singular, and those of the branch that flips are regular.  The part
-    of a motion that the solver loses at a change of contact state joins both branches beside the meeting, so that a
-    curve in small steps never reaches it.  The meeting is therefore looked for as soon as the difference of both halves
-    is as small as at the points where a springing branch is looked for.
+    At the meeting the equations of the branch are singular; the equations of the branch that flips are regular.  The
+    part of a motion that the solver loses at a change of contact state connects both branches before the meeting, so
+    that a curve followed in small steps never reaches the meeting.  The search therefore begins as soon as the
+    difference of both halves is as small as at the points where a springing branch is searched.
     """
     first, last = half_difference(stretch.start), half_difference(stretch.end)
     if first is None or last is None or float(first @ last) >= float(first @ first):
@@ -180,7 +181,7 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
     """A motion that repeats in half of its time, as a curve point of half the length; None if its halves differ by more
     than `same`.
 
-    For a motion that grazes, a point beside the graze is given, where there is room.
+    For a motion that grazes, the answer is a point beside the graze, if there is room.
     """
     missed = half_difference(point)
     if missed is None or float(np.linalg.norm(missed)) > same:
@@ -193,7 +194,7 @@ def half_of(point: CurvePoint, same: float) -> CurvePoint | None:
 
 
 def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, FloatArray]:
-    """The unknowns of a motion that repeats in half of its time, over that time."""
+    """The equations and unknowns of a motion that repeats in half of its time, over half of its time."""
     M, n = problem.events, problem.coordinates(u)
     sequence = ContactSequence(problem.sequence.first, problem.sequence.stops[: M // 2])
     tied = frozenset(k for k in problem.tied if k < M // 2)
@@ -202,7 +203,7 @@ def _halved(problem: BoundaryProblem, u: FloatArray) -> tuple[BoundaryProblem, F
 
 
 def _flip_beside(point: CurvePoint, most: float) -> CurvePoint | None:
-    """The nearest flip of a curve on either side of a point, at most an arclength away."""
+    """The nearest flip of a curve on either side of a point, at most the arclength `most` away."""
     length = _AWAY[-1]
     while length <= most:
         ends = [beside(point, way) for way in (-length, length)]

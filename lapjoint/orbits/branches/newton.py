@@ -1,4 +1,4 @@
-"""Newton's method for a boundary value problem, bordered by one more equation.
+"""Newton's method for a boundary value problem, with one more equation as a border.
 
 With scaled unknowns v = u / scale, the equations F(u) = 0 and the border row . (v - v_guess) = 0 are solved together.
 Each step dv solves
@@ -6,8 +6,8 @@ Each step dv solves
     [ F_u scale ] dv = - [ F                   ]
     [ row       ]        [ row . (v - v_guess) ]
 
-Each row of the first block is divided by its largest entry, which makes the rows dimensionless.  A short step is
-followed by a step with the same derivative: this changes how fast the method converges, and not the solution.
+Each row of the first block is divided by its largest entry, which makes the rows dimensionless.  After a short step the
+next step uses the same derivative: this changes the speed of convergence, not the solution.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class Solution:
     u: FloatArray
     """The unknowns."""
     linearisation: Linearisation
-    """Equations and derivative at the solution, or one tiny Newton step before it."""
+    """Equations and derivative at the solution, or at the point before the last, tiny Newton step."""
     tangent: FloatArray
     """Unit tangent of the curve in scaled unknowns, with a positive product with the border row."""
     orientation: int
-    """Sign of the determinant of the derivative bordered by this tangent; it keeps its sign along a smooth curve."""
+    """Sign of the determinant of the derivative bordered by this tangent; the sign is constant along a smooth curve."""
 
 
 def solve(
@@ -51,7 +51,7 @@ def solve(
     last[-1] = 1.0
     try:
         for _ in range(options.newton_iterations):
-            kept = not (exact or kept) and shortest <= options.chord  # fast modes may need a new one soon
+            kept = not (exact or kept) and shortest <= options.chord  # fast modes may need a new derivative soon
             if not kept:
                 found = problem.linearised(u)
                 bordered = np.empty((row.size, row.size), order="F")  # as LAPACK takes it

@@ -1,4 +1,4 @@
-"""A curve point: one periodic motion with its contact sequence, the extrema of its gaps, and its section."""
+"""A curve point: one periodic motion with its contact sequence, the extrema of its gap functions, and its section."""
 
 from __future__ import annotations
 
@@ -20,17 +20,16 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
 SAME = 1e-6
-"""Arclength below which two curve points are one: far above the error of a solution, 1e-9, and far below the length in
-which a curve turns.  Also the largest distance of two motions over their size, and of two events over the length of the
-motion, that are one."""
+"""Arclength below which two curve points are one: far above the error of a solution, 1e-9, and far below the length
+over which a curve turns.  Also the largest distance of two equal motions, divided by their size, and of two
+simultaneous events, divided by the length of the motion."""
 _ROUNDED = 1e-9
-"""Distance from a multiple of half a period, in half periods, below which a time counts as that multiple: rounding."""
+"""Distance of a time from a multiple of half a period, divided by half a period, that is rounding."""
 
 
 @dataclass(frozen=True)
 class GapExtrema:
-    """Extrema of the gap functions: where an open stop comes nearest, and where a closed stop comes nearest to
-    opening."""
+    """Extrema of the gap functions, where an open stop is nearest to closing, or a closed stop nearest to opening."""
 
     arc: IndexArray
     """Index of the arc of each extremum, shape ``(m,)``."""
@@ -39,12 +38,11 @@ class GapExtrema:
     time: FloatArray
     """Time of each, in s from the section, shape ``(m,)``."""
     violation: FloatArray
-    """Distance of each extremum beyond its stop, or of a closed stop towards opening, shape ``(m,)``.  The distance is
-    stated over the stop's gap, else over the largest gap, else over the size of the motion.  A value above zero says
-    that the contact sequence lacks two events."""
+    """Distance of each extremum beyond its stop or, while the stop is closed, beyond opening, shape ``(m,)``, without
+    unit.  The distance is divided by the stop's gap; if that is zero, by the largest gap; if all are zero, by the size
+    of the motion.  A value above zero says that the contact sequence lacks two events."""
     lost: float
-    """Largest displacement of a stop that a passage between contact states loses, over the size used for a
-    violation."""
+    """Largest displacement at a stop that a change of contact state loses, divided by the divisor of `violation`."""
 
 
 @dataclass(frozen=True)
@@ -63,11 +61,11 @@ class CurvePoint:
     linearisation: Linearisation = field(repr=False)
     """Equations and derivative at the point."""
     orientation: int
-    """Sign of the determinant of the derivative bordered by this tangent, which a smooth curve keeps."""
+    """Sign of the determinant of the derivative bordered by this tangent; it is constant along a smooth curve."""
 
     @staticmethod
     def of(problem: BoundaryProblem, solution: Solution, scale: FloatArray) -> CurvePoint:
-        """A solution, found with a scale of shape (n + F + 1,), as a curve point with a scale of its own."""
+        """A solution, found with a scale of shape (n + F + 1,), as a curve point with its own scale."""
         own = scale_of(problem, solution.u)
         tangent = solution.tangent * scale / own
         tangent /= np.linalg.norm(tangent)
@@ -90,13 +88,13 @@ class CurvePoint:
 
     @cached_property
     def shares(self) -> FloatArray:
-        """Durations of all arcs over the length of the motion, shape ``(M + 1,)``; not to be written to."""
+        """Durations of all arcs, divided by the length of the motion, shape ``(M + 1,)``; read-only."""
         return self.problem.shares(self.u)
 
     @property
     def tolerance(self) -> float:
-        """Violation below which an extremum only touches its stop: the grazing tolerance, or what passages lose, if
-        larger."""
+        """Violation below which an extremum only touches its stop: the grazing tolerance or, if larger,
+        `GapExtrema.lost`."""
         return max(self.problem.resolution.options.grazing_tolerance, self.extrema.lost)
 
     @property
@@ -112,7 +110,7 @@ class CurvePoint:
 
     @cached_property
     def extrema(self) -> GapExtrema:
-        """Where open stops come nearest, and closed stops come nearest to opening."""
+        """The extrema of the gap functions along the motion."""
         arcs, chain = self.problem.arcs(self.u), self.linearisation.chain
         structure = arcs.problem.structure
         if not structure.stops:
@@ -142,8 +140,8 @@ class CurvePoint:
     def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
         """Value of each gap function at which its stop switches in each arc, in m, shape ``(M + 1, P)``.
 
-        A stop that has just switched switches back at the value with which its arc began.  That value is zero but for
-        what a passage between contact states loses of the motion.
+        A stop that has just switched switches back at the value with which its arc began.  This value is zero, except
+        for the part of the motion that is lost at a change of contact state.
         """
         levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
         if switched.size:
@@ -155,8 +153,7 @@ class CurvePoint:
         return levels
 
     def _sizes(self, gaps: FloatArray) -> FloatArray:
-        """Sizes over which distances from stops are stated, in m: each stop's gap, else the largest gap, else the size
-        of the motion."""
+        """Divisor of distances from each stop, m: its gap, or else the largest gap, or else the size of the motion."""
         largest = float(gaps.max(initial=0.0))
         return np.where(gaps > 0, gaps, largest if largest > 0 else float(np.abs(self.scale[: self.coordinates]).max()))
 
@@ -216,7 +213,7 @@ class CurvePoint:
         k = int(np.ceil(2 * chain.times[0] / arcs.period - _ROUNDED))
         mirrors = mirror_twins(arcs.problem) is not None
         if self.problem.half_periods % 2:
-            return self.sections()[0]  # each half period of such a motion is the mirror image of the one before
+            return self.sections()[0]  # each half period of this motion is the mirror image of the previous half period
         return self.sections()[1 if mirrors and k % 2 else 0]
 
 
@@ -249,7 +246,7 @@ def scale_of(problem: BoundaryProblem, u: FloatArray) -> FloatArray:
     n = problem.coordinates(u)
     units = problem.arcs(u).unit_norms(problem.sequence.first)
     size = float(np.linalg.norm(u[:n] * units))
-    durations = np.full(problem.free.size, 1 / (problem.events + 1))  # those of arcs that are all alike
+    durations = np.full(problem.free.size, 1 / (problem.events + 1))  # the mean duration
     return np.concatenate([max(size, np.finfo(float).tiny) / units, durations, [problem.resolution.scale(u[-1])]])
 
 
@@ -276,12 +273,12 @@ def _began(problem: BoundaryProblem, u: FloatArray, arc: int) -> float:
 
 
 def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float) -> tuple[BoundaryProblem, FloatArray]:
-    """The motion with its section `shift` seconds after the start of an arc, 0 to M - 1; before the start of arc 0, if
-    negative."""
+    """The motion with its section `shift`, s, after the start of an arc, 0 to M - 1; a negative shift is for arc 0
+    only."""
     arcs, chain, sequence = problem.arcs(u), problem.chain(u), problem.sequence
     durations, stops, mirrored = problem.durations(u), sequence.stops, problem.half_periods % 2
     twins = mirror_twins(arcs.problem) if mirrored else None
-    if arc == 0 and shift < 0:  # in the last arc: free motion is not followed back in time, where fast modes grow
+    if arc == 0 and shift < 0:  # the section is in the last arc, because backwards in time fast modes grow
         start = arcs.later(sequence.states[-1], chain.starts[-1], float(chain.times[-1]), float(durations[-1]) + shift)
         start = -start if mirrored else start
     else:

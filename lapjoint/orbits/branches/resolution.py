@@ -21,13 +21,12 @@ from lapjoint.problem import Problem
 from lapjoint.problem.symmetry import mirror_twins
 
 _KEPT = 32
-"""Number of period maps that are cached: Newton's method and differences return to a few parameters."""
+"""Number of cached period maps: Newton's method and difference quotients return to a few values of the parameter."""
 _LOOKED_AT = 9
-"""Number of problems, evenly spread over a zone, that are tested; the hardest of them decides the resolution of the
-zone."""
+"""Number of problems, evenly spread over a zone, of which the most demanding one determines the resolution."""
 _ZONE = 8.0
-"""Approximate ratio of the ends of a zone.  At a change of resolution the curve jumps by its errors, so zones are
-few."""
+"""Approximate ratio of the ends of a zone.  At a change of resolution the curve jumps by its numerical error, so zones
+are few."""
 
 
 @runtime_checkable
@@ -44,10 +43,10 @@ class HasPeriodMap(Protocol):
 
 @runtime_checkable
 class Resolves(Protocol):
-    """A solver that chooses its resolution by the problem, and can use one resolution for several problems."""
+    """A solver that chooses its resolution for each problem, and can use one resolution for several problems."""
 
     def resolving(self, problems: Iterable[Problem]) -> HasPeriodMap:
-        """The solver, with the one resolution that the hardest of some problems needs."""
+        """The solver with a fixed resolution, which the most demanding of some problems needs."""
 
 
 @runtime_checkable
@@ -112,7 +111,7 @@ class Resolution:
 
     def scale(self, value: float) -> float:
         """Size of the parameter, or of the whole range if the range includes zero; above zero.  Changes of the
-        parameter are divided by it."""
+        parameter are divided by this size."""
         return abs(value) if self.low > 0 or self.high < 0 else self.high - self.low
 
     def difference_step(self, value: float) -> float:
@@ -131,7 +130,7 @@ class Resolution:
         return self._finer
 
     def and_finer(self) -> Iterator[Resolution]:
-        """This resolution, then finer and finer ones, each made when it is asked for."""
+        """This resolution, then ever finer resolutions, each made when it is needed."""
         here = self
         yield here
         while here.finer is not None:
@@ -189,8 +188,7 @@ class ParameterRange:
         """Half periods of the shortest motions: 1 if the problems at both ends are their own mirror images, else 2."""
 
     def resolution(self, value: float) -> Resolution:
-        """The resolution of the zone that holds a value of the parameter; of the nearest zone, for a value out of
-        range."""
+        """The resolution of the zone that contains a value of the parameter, or of the nearest zone."""
         return next((one for end, one in self.zones if value <= end), self.zones[-1][1])
 
 

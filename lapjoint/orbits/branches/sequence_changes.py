@@ -1,11 +1,12 @@
-"""Changes of the contact sequence along a curve: contacts that are born, end, split or merge, and events out of order.
+"""Changes of the contact sequence along a curve: contacts that appear, end, split or merge, and events out of order.
 
-An arc ends where its duration passes zero.  Between two events of one stop, the stop's contact or flight vanishes with
-both events.  Between events of two stops, the events change their order.  An extremum of the gap function that passes
-zero while the stop is open gives birth to a contact; while the stop is closed, it splits the contact by a flight.  The
-curves on both sides of a change meet where the arc's duration and the extremum are zero.  A solver that loses part of
-the motion at a passage, from one contact state to the next, has the meeting point a little elsewhere on either side;
-the distance is an error of truncation, see `SequenceChange.offset`.
+An arc ends where its duration passes zero.  If it lies between two events of one stop, the stop's contact or flight
+vanishes with both events.  If it lies between events of two stops, the events change their order.  If an extremum of a
+gap function passes zero, a contact is born while the stop is open, or split by a flight while the stop is closed.
+
+The curves on both sides of a change meet where the arc's duration and the extremum are zero.  If a solver loses a part
+of the motion at a change of contact state, the two curves miss each other by an error of truncation, see
+`SequenceChange.offset`.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ from lapjoint.problem import FloatArray
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
 """A contact is born or ends at a graze, a contact splits or two contacts merge, or two events change their order."""
 SECANTS = 12
-"""Largest number of secant steps to a zero that lies near; two to five usually suffice."""
+"""Largest number of secant steps to a nearby zero; two to five are usually enough."""
 _CLEARLY = 1e-7
 """Value of a monitor, without unit, that is above rounding.  Newton's method leaves an arclength of 1e-9; an extremum
 changes by up to a hundred times an arclength."""
 _MOST_AT_ONCE = 6
-"""Largest number of changes that happen together: a motion of four periods has at most as many parts alike."""
+"""Largest number of changes that are located together; a motion of four periods has at most six similar parts."""
 _ACROSS = 0.5
 """Fraction of a step's length by which a located change may lie outside the step."""
 
@@ -42,13 +43,13 @@ class Monitor(NamedTuple):
     kind: Literal["duration", "extremum"]
     """The function: the duration of an arc, or an extremum of a gap function."""
     arc: int
-    """The arc that has the duration, or holds the extremum."""
+    """The arc of the duration, or of the extremum."""
     stop: int
     """The stop of the extremum; -1 for a duration."""
     time: float
-    """Time of the extremum over the length of the motion, from the section; 0 for a duration."""
+    """Time of the extremum from the section, divided by the length of the motion; 0 for a duration."""
     value: float
-    """The function: minus a duration over the length of the motion, or `GapExtrema.violation`."""
+    """The function: minus a duration, divided by the length of the motion, or `GapExtrema.violation`."""
 
     def is_of(self, other: Monitor) -> bool:
         """Whether a monitor, perhaps of another point of the curve, belongs to the same arc and stop."""
@@ -60,13 +61,13 @@ class SequenceChange:
     """A change of the contact sequence, located on both sides."""
 
     kind: ChangeKind
-    """What happens."""
+    """The kind of change."""
     stops: tuple[int, ...]
     """The stop, or the two stops that change their order."""
     before: CurvePoint
-    """The point with the sequence before, its tangent towards the change."""
+    """The point with the sequence before the change, its tangent towards the change."""
     after: CurvePoint | None
-    """The point with the sequence after, its tangent away from the change; None where there is none."""
+    """The point with the sequence after the change, its tangent away from the change; None if there is none."""
     reverses: int | None = None
     """The new arc, if the jump of the damping force puts the beam on the wrong side of the stop while the arc is short;
     else None."""
@@ -78,20 +79,20 @@ class SequenceChange:
 
     @property
     def fewer(self) -> CurvePoint:
-        """The point with fewer events, or `before` if `after` is unknown; seen from its side, the curve is smooth at a
-        graze."""
+        """The point with fewer events, or `before` if `after` is unknown; at a graze, the curve is smooth on its
+        side."""
         if self.after is not None and self.after.problem.events < self.before.problem.events:
             return self.after
         return self.before
 
     @property
     def more(self) -> CurvePoint | None:
-        """The point with more events, an arc of which has no duration; None where it is not known."""
+        """The point with more events, of which one arc has no duration; None if it is unknown."""
         return self.after if self.kind in ("birth", "split") else self.before
 
     @property
     def offset(self) -> float:
-        """Distance of the parameter between both sides, in its unit; infinite where one side is not known."""
+        """Difference of the parameter between both sides, in its unit; infinite if one side is unknown."""
         return np.inf if self.after is None else abs(self.after.value - self.before.value)
 
 
@@ -134,7 +135,7 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
     there, upper, seen = violated(end), length, 0
     best: tuple[Monitor, CurvePoint] | None = None
     while there:
-        # Where an arc has ended, the arcs beside it overlap, and have an extremum beyond the stop, too.
+        # If an arc has ended, its neighbouring arcs overlap, and also have an extremum beyond the stop.
         ended = [one for one in there if one.kind == "duration"]
         monitor = min(ended or there, key=lambda one: _estimate(start, one, upper))
         located = _located(start, monitor, upper)
@@ -169,7 +170,7 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
     before = same_monitor(start, monitor)
     if before is None or before.value < 0:
         return zero_along(start, monitor, 0.0, length)
-    for back in (0.1, 1.0, 10.0):  # it has been beyond its stop by less than the tolerance
+    for back in (0.1, 1.0, 10.0):  # the extremum was already beyond its stop, by less than the tolerance
         located = zero_along(start, before, -back * length, 0.0)
         if located is not None:
             return located
@@ -177,10 +178,10 @@ def _located(start: CurvePoint, monitor: Monitor, length: float) -> tuple[Monito
 
 
 def at_once(change: SequenceChange) -> Iterator[SequenceChange]:
-    """The changes that happen together with a change: monitors that are above zero at the point to which it leads.
+    """The changes that happen together with a change: monitors that are above zero at the point after the change.
 
-    Each change starts from the point at which the previous change ended.  If a motion nearly repeats, its similar parts
-    change at nearly equal parameters, and what passages lose may swap their order.
+    Each change starts from the point after the previous change.  If a motion nearly repeats, its similar parts change
+    at nearly equal parameters, and the losses at changes of contact state may swap their order.
     """
     for _ in range(_MOST_AT_ONCE):
         here = change.after
@@ -213,7 +214,7 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
             raise _LostError
         points[s] = point
         its = same_monitor(point, monitor)
-        if its is None:  # it arises farther on, below zero
+        if its is None:  # the extremum appears farther on, below zero
             return -1.0
         known[s] = its, point
         return its.value
@@ -225,7 +226,7 @@ def zero_along(start: CurvePoint, monitor: Monitor, first: float, last: float) -
     except (_LostError, ValueError):
         return None
     if at not in known or abs(known[at][0].value) > known[at][1].tolerance:
-        return None  # it appears beyond its stop
+        return None  # the extremum appears beyond its stop
     its, point = known[at]
     if point.tangent @ start.tangent < 0:
         point = point.turned()
@@ -247,8 +248,8 @@ def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events are born at an extremum, or two groups of tied events, which happen together, if several stops reach
-    it."""
+    """The change in which two events appear at an extremum, or two groups of tied events if several stops touch
+    together."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
     began, more = sum(shares[:i]), len(stops) - 1
@@ -265,7 +266,7 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
 
 
 def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
-    """The stop of a monitor, and the stops that mirror it, whose extrema are zero at the same time."""
+    """The stop of a monitor, and the stops that mirror this stop and have an extremum of zero at this time, too."""
     its = point.extrema
     alike = (its.arc == monitor.arc) & (np.abs(its.time / point.problem.length(point.u) - monitor.time) < SAME)
     beside = alike & (np.abs(its.violation - monitor.value) <= 10 * point.tolerance)
@@ -273,7 +274,7 @@ def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
 
 
 def _exchanged(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events of different stops, or two groups of tied events, change their order."""
+    """The change in which two events of different stops, or two groups of tied events, exchange their order."""
     problem, i = before.problem, monitor.arc
     first, last, stops = problem.group(i - 1), problem.group(i), list(problem.sequence.stops)
     stops[first[0] : last[-1] + 1] = [*(stops[k] for k in last), *(stops[k] for k in first)]
@@ -314,7 +315,7 @@ def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChang
 
 
 def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """Two events of one stop vanish together with the arc between them."""
+    """The change in which two events of one stop vanish together with the arc between them."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, first, last = problem.sequence, before.shares.tolist(), problem.group(i - 1), problem.group(i)
     stop, time, gone = sequence.stops[i], sum(shares[:i]), range(first[0], last[-1] + 1)
@@ -340,7 +341,7 @@ def at_graze(problem: BoundaryProblem, guess: FloatArray, monitor: Monitor) -> C
     if near is None or its is None:
         return None
     here, at, other = near, 0.0, SAME
-    rate, widest = 0.0, 0.0  # of nearly equal values rounding decides which is the larger
+    rate, widest = 0.0, 0.0  # rounding would decide between nearly equal values
     for _ in range(SECANTS):
         point = beside(near, other, exact=False)
         there = None if point is None else same_monitor(point, monitor)
@@ -368,7 +369,7 @@ def nearest(problem: BoundaryProblem, guess: FloatArray) -> CurvePoint | None:
     scale = scale_of(problem, guess)
     J = problem.linearised(guess).jacobian * scale
     sizes = np.abs(J).max(axis=1)
-    if not np.isfinite(sizes).all():  # fast modes grow without bound in an arc of negative duration
+    if not np.isfinite(sizes).all():  # in an arc of negative duration fast modes grow without bound
         return None
     row = np.linalg.svd(J / np.where(sizes > 0, sizes, 1.0)[:, None])[2][-1]
     return solved(problem, guess, scale, row)

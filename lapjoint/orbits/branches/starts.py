@@ -1,4 +1,4 @@
-"""Motions from which curves are followed: a contact sequence, and a guess of the unknowns."""
+"""Motions from which curves are followed: each a contact sequence, and a guess of the unknowns."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Start:
     unknowns: FloatArray = field(repr=False)
     """Coordinates of the section, durations divided by the length of the motion, and the parameter."""
     tied: frozenset[int] = frozenset()
-    """Events that happen simultaneously with the event before, see `BoundaryProblem.tied`."""
+    """Events that are simultaneous with the previous event, see `BoundaryProblem.tied`."""
     away_from: tuple[float, SectionPoint] | None = None
-    """The bifurcation from which the branch springs: the parameter, and the motion there; None if none is known."""
+    """The bifurcation at which the branch begins: the parameter, and the motion there; None if none is known."""
     direction: FloatArray | None = field(default=None, repr=False)
     """Direction along the curve that is followed first, in the units of the unknowns; None for a growing parameter."""
 
@@ -46,15 +46,15 @@ class Start:
 
     @staticmethod
     def at(point: CurvePoint, away_from: tuple[float, SectionPoint] | None = None) -> Start:
-        """A curve point as a start; the direction of its tangent is followed first."""
+        """A curve point as a start; the curve is followed first in the direction of its tangent."""
         problem = point.problem
         way = None if away_from is None else point.tangent * point.scale
         own = problem.sequence, problem.half_periods, problem.phase
         return Start(*own, point.u, problem.tied, away_from, way)
 
     def solved(self, of: ParameterRange) -> CurvePoint | None:
-        """The start as a curve point, its tangent in the direction that is followed first; None if Newton's method does
-        not find the motion again."""
+        """The start as a curve point, with its tangent in the direction that is followed first; None if Newton's method
+        does not find the motion again."""
         problem = BoundaryProblem(of.resolution(self.value), self.sequence, self.half_periods, self.phase, self.tied)
         found = at_parameter(problem, self.unknowns) or nearest(problem, self.unknowns)
         if found is None or violated(found):
@@ -96,8 +96,8 @@ def periodic_motion(
     """The periodic motion near the end of a march, and the fewest half periods after which it repeats; None if none is
     found.
 
-    Two motions are one if their distance, divided by their size, is below `same`.  `SolverError` if the march cannot go
-    on.
+    Two motions are one if their distance, divided by their size, is below `same`.  A march that fails raises
+    `SolverError`.
     """
     effort = Effort(max_period_multiple=most_multiple, max_periods=TRANSIENT, growth=False)
     motion = SteadyStateSearch(half.map, effort).run(point).motion
@@ -120,7 +120,7 @@ def _least(half: HalfPeriods, orbit: Orbit, same: float) -> int:
 
 
 def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_periods: int) -> Start:
-    """The start at a motion whose section point at a multiple of the excitation period is known; a march gives its
+    """The start at the motion with a known section point at a multiple of the excitation period; a march gives its
     contact sequence."""
     half = HalfPeriods(resolution.map(value))
     segments = half.linearised(point, half_periods).linearised.motion

@@ -1,4 +1,4 @@
-"""A whole branch from one of its motions: followed both ways, with its bifurcations and the branches that spring
+"""A whole branch from one of its motions: followed both ways, with its bifurcations and the branches that begin
 there."""
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _GONE_ROUND = 3
 
 @dataclass(frozen=True)
 class Limits:
-    """How far a branch is followed."""
+    """Limits and options of following a branch."""
 
     max_points: float = np.inf
     """Largest number of its points."""
     progress: Callable[[float], None] | None = None
     """Called with the fraction of the range, or of the points, that is done."""
     from_grazes: bool = False
-    """Whether motions of twice the length are looked for beside grazes."""
+    """Whether motions of twice the length are searched near grazes."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Found:
     index: int
     """Number of points of the curve before the bifurcation or graze."""
     after: str = ""
-    """What the curve does beyond a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
+    """The behaviour of the curve beyond a graze: it ``persists``, ``folds``, ``ends`` or is ``lost``."""
 
 
 @dataclass
@@ -53,13 +53,13 @@ class Way:
     """A curve followed in one direction."""
 
     points: list[CurvePoint]
-    """Its points in sequence, from the start."""
+    """Its points in order, from the start."""
     found: list[Found] = field(default_factory=list)
     """Its bifurcations and grazes, in sequence."""
     end: str = ""
     """Why the curve ends."""
     mother: Start | None = None
-    """If the curve ends as ``bifurcation``, its last motion as one that repeats in half of the time; else None."""
+    """If the curve ends as ``bifurcation``, its last motion as a motion that repeats in half of the time; else None."""
 
     @property
     def ends_at_graze(self) -> bool:
@@ -84,11 +84,11 @@ class Traced:
     ends: tuple[str, str]
     """Why the branch ends at its first and its last point."""
     starts: list[Start] = field(repr=False)
-    """A motion of each branch that springs from this branch, and of the branch from which this branch springs."""
+    """A motion of each branch that begins on this branch, and of the branch on which this branch begins."""
     springs: list[tuple[float, SectionPoint]] = field(repr=False)
-    """Where the branch springs from other branches, at either end: the parameter, and the motion there."""
+    """The points at either end where the branch begins on another branch: the parameter, and the motion there."""
     unsprung: list[Bifurcation] = field(repr=False)
-    """Bifurcations from which a branch springs, but no motion of that branch was found."""
+    """Bifurcations at which a branch begins, of which no motion was found."""
 
 
 def trace(of: ParameterRange, start: Start, most_multiple: int, limits: Limits | None = None) -> Traced | None:
@@ -121,7 +121,7 @@ def _sprung(
 ) -> tuple[list[Start], list[Bifurcation]]:
     """A motion of each branch that springs from a curve, and the bifurcations for which none was found.
 
-    A graze may have a flip so near that a motion beside it may belong to the branch of either; a motion found from a
+    A flip may be so near a graze that a motion near both may belong to the branch of either; a motion found from a
     graze therefore records no bifurcation.
     """
     starts, unsprung = list[Start](), list[Bifurcation]()
@@ -193,8 +193,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
 
 
 def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
-    """Whether a bifurcation is nearer to a graze than the distance between both sides of the graze, which is an error
-    of truncation."""
+    """Whether a bifurcation is nearer to a graze than the graze's offset, which is an error of truncation."""
     grazes = [other.what for other in neighbours if isinstance(other.what, SequenceChange)]
     what = one.what
     if not isinstance(what, Bifurcation):
@@ -203,7 +202,7 @@ def _is_truncation(one: Found, neighbours: list[Found]) -> bool:
 
 
 def _is_same_change(one: SequenceChange, other: SequenceChange) -> bool:
-    """Whether two changes of the contact sequence are one, passed in either direction: the curve then repeats
+    """Whether two changes of the contact sequence are one, passed in either direction, so that the curve repeats
     itself."""
     if one.after is None or other.after is None or one.stops != other.stops:
         return False
@@ -220,18 +219,18 @@ def _is_at_change(point: CurvePoint) -> bool:
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
-    """Whether a bifurcation has the parameter of a point where two branches meet, so that both branches list it."""
+    """Whether a bifurcation has the parameter of a point at which two branches meet, so that both branches list it."""
     return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
 
 
 def _after(change: SequenceChange, next_: CurvePoint) -> str:
-    """Whether the parameter keeps its direction at a graze: ``persists``, else ``folds``."""
+    """``persists`` if the parameter continues in its direction at a graze, else ``folds``."""
     came, goes = float(change.before.tangent[-1]), next_.value - change.value
     return "persists" if came * goes > 0 else "folds"
 
 
 def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve; in another zone, the curve goes on with the resolution of that zone."""
+    """Follow a curve, in each zone with the resolution of the zone."""
     here: CurvePoint | None = start
     while here is not None:
         steps, here = follow(here), None

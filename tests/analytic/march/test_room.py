@@ -55,13 +55,6 @@ def test_tables_take_what_the_states_and_switches_met_take(met: Joint) -> None:
     assert taken < states * STOPS * MODES**2 * 8 / 2  # half of a matrix for every stop of every state
 
 
-def test_each_known_switch_has_a_row_of_its_own(met: Joint) -> None:
-    tables = met.tables
-    known = tables.passage >= 0
-    assert (known == (tables.next_slot >= 0)).all()
-    assert sorted(tables.passage[known].tolist()) == list(range(known_switches(tables)))
-
-
 def test_tables_too_large_for_the_machine_end_in_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "machine_bytes", lambda: 4 * bound(2, 2, STOPS, MODES))
     unknown = ModalDamping(ratio=0.0203)  # no other test has met states with it

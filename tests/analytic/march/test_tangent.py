@@ -24,58 +24,7 @@ from analytic.period_map import PeriodMap
 from lapjoint import FREE, ModalDamping, paper_joint
 from lapjoint.answers import SectionPoint
 from lapjoint.machine.one_thread import in_one_thread
-from lapjoint.problem import FloatArray
-from tests.helpers.population import harmonic_joint, joint, stiffened_joint
-
-STEP = 1e-6
-"""Difference of two starts over the size of the motion."""
-SMOOTH = 1e-3
-"""Most by which the differences ahead and back may differ, over their size: else a stop is grazed between."""
-LEFT = 1e-5
-"""Most by which the derivative may differ from them, over its size."""
-KINDS = {"as they are": joint, "stiffer": stiffened_joint, "harmonics": harmonic_joint}
-
-
-def drawn(kind: str, seed: int) -> tuple[PeriodMap, SectionPoint]:
-    """A joint with few modes, and a motion of it."""
-    rng = np.random.default_rng((93, seed))
-    period_map = analytic.Solver(n_modes=int(rng.integers(5, 25))).period_map(KINDS[kind](93, seed))
-    return period_map, period_map.march(period_map.initial(), 2 * int(rng.integers(1, 12))).end
-
-
-def one_sided(period_map: PeriodMap, point: SectionPoint, ends: list[SectionPoint]) -> tuple[FloatArray, FloatArray]:
-    """Differences of ends, in the modes of a point: of the second from the first, and of the first from the third."""
-    here, ahead, back = (period_map.difference(end, point) for end in ends)
-    return ahead - here, here - back
-
-
-def is_off(period_map: PeriodMap, ahead: FloatArray, back: FloatArray, derivative: FloatArray) -> float | None:
-    """How far a derivative is from two one-sided differences, over its size; None where they differ themselves."""
-    size = period_map.norm(derivative)
-    if period_map.norm(ahead - back) > SMOOTH * size:
-        return None
-    return period_map.norm((ahead + back) / 2 - derivative) / size
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_marches_from_starts_beside_end_as_the_derivative_says(kind: str) -> None:
-    told, with_contacts = 0, 0
-    for seed in range(40):
-        period_map, point = drawn(kind, seed)
-        found, rng = period_map.linearised(point, 2), np.random.default_rng((94, seed))
-        units, size = 1 / period_map.unit_norms(point.coordinates.size), period_map.size(point)
-        here = period_map.march(point, 2)
-        for _ in range(3):
-            deviation = rng.standard_normal(units.size)
-            way = STEP * size * deviation * units / np.linalg.norm(deviation)
-            ends = [period_map.march(period_map.moved(point, sign * way), 2).end for sign in (1, -1)]
-            ahead, back = one_sided(period_map, point, [here.end, *ends])
-            off = is_off(period_map, ahead, back, found.matrix @ way)
-            assert off is None or off <= LEFT, (seed, off)
-            told += off is not None
-        with_contacts += here.switches > 0
-    assert told >= 60  # half of the 120 deviations, or the test judges too little
-    assert with_contacts >= 20  # half of the motions
+from tests.helpers.population import stiffened_joint
 
 
 def test_a_march_that_has_to_learn_its_switches_carries_the_same_deviations() -> None:

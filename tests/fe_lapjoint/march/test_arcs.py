@@ -9,19 +9,15 @@ import mpmath as mp
 import numpy as np
 import pytest
 from beams import CLAMP, UNIT
-from population import joints, recorded_joint
 from scipy.linalg import eigh, expm
 
 import fe_lapjoint
 from fe_lapjoint.march import arcs as arcs_module
 from fe_lapjoint.march.arcs import Arcs
-from fe_lapjoint.march.march import march
-from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import System
 from lapjoint import (
     FREE,
     ContactState,
-    InputError,
     ModalDamping,
     Problem,
     StepLoad,
@@ -30,7 +26,7 @@ from lapjoint import (
     ViscousDamping,
     paper_joint,
 )
-from lapjoint.orbits.arcs import ContactSequence, HasArcs
+from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.problem import BaseHarmonic, FloatArray, HarmonicsBaseMotion, NoDamping
 
 DAMPINGS = (
@@ -98,65 +94,6 @@ def population(seed: int, count: int) -> Iterator[tuple[Arcs, ContactSequence, F
         yield arcs, *any_chain(rng, arcs, int(rng.integers(0, 7)))
 
 
-def test_the_period_map_has_arcs() -> None:
-    arcs = arcs_of(next(joints(1, 1)))
-    assert isinstance(fe_lapjoint.Solver(elements=3).period_map(arcs.problem), HasArcs)
-    assert arcs.period == pytest.approx(2 * math.pi / arcs.omega, rel=1e-15)
-
-
-def test_sampled_forces_have_no_arcs() -> None:
-    with pytest.raises(InputError, match="is a record, which has no period"):
-        arcs_of(recorded_joint(1, 0)[0])
-
-
-def test_a_chain_goes_where_the_march_goes() -> None:
-    met = 0
-    for problem in joints(46, 20):
-        period_map = fe_lapjoint.Solver(elements=6).period_map(problem)
-        point = period_map.march(period_map.initial(), 8).end
-        motion = march(period_map.model, point.state, period_map.modal(point), 0.0, period_map.period)
-        switches = [(piece.end, piece.switched) for piece in motion.pieces if piece.switched >= 0]
-        durations = np.diff([0.0, *(t for t, _ in switches), period_map.period])
-        sequence = ContactSequence(point.state, tuple(stop for _, stop in switches))
-        found = period_map.arcs.chain(sequence, period_map.modal(point), 0.0, durations, derivatives=False)
-        assert sequence.states[-1] == motion.state
-        assert np.abs(found.end - motion.y).max() <= 1e-10 * np.abs(motion.y).max()
-        z, v = np.split(found.end, 2)
-        z, v = (np.abs(period_map.model.system(motion.state).stops) @ np.abs(part) for part in (z, v))
-        for equation, returning, stop in zip(found.events, sequence.returning, sequence.stops, strict=True):
-            # A march finds a switch to rounding of its displacement, over a duration of at least a ten thousandth.
-            assert abs(equation) <= 1e-10 * (v[stop] + 1e4 / period_map.period * z[stop] if returning else z[stop])
-        met += len(switches)
-    assert met
-
-
-@pytest.mark.parametrize("elements", [6, 12])
-def test_a_chain_along_a_steady_state_closes_and_has_its_multipliers(elements: int) -> None:
-    solver, met = fe_lapjoint.Solver(elements=elements), 0
-    for problem in joints(7, 4):
-        steady, period_map = solver.steady_state(problem), solver.period_map(problem)
-        length, arcs, start = steady.period_multiple * period_map.period, period_map.arcs, steady.section_point
-        if not length:
-            continue
-        motion = march(arcs.model, start.state, arcs.coordinates(start), 0.0, length)
-        switches = [(piece.end, piece.switched) for piece in motion.pieces if piece.switched >= 0]
-        durations = np.diff([0.0, *(t for t, _ in switches), length])
-        sequence = ContactSequence(start.state, tuple(stop for _, stop in switches))
-        found = arcs.chain(sequence, arcs.coordinates(start), 0.0, durations)
-        n, end = found.end.size, found.end
-        assert np.abs(end - arcs.coordinates(start)).max() <= 1e-8 * np.abs(end).max()  # as far as the search went
-        assert found.end_by is not None
-        assert found.events_by is not None
-        by_times = found.end_by[:, n:-1] - found.end_by[:, -1:]  # the last arc ends with the period
-        times = np.linalg.solve(found.events_by[:, n:-1], -found.events_by[:, :n])
-        multipliers = np.linalg.eigvals(found.end_by[:, :n] + by_times @ times)
-        known = period_map.linearised(start, 2 * steady.period_multiple).multipliers[:4]
-        distances = np.abs(np.subtract.outer(known, multipliers)).min(axis=1)
-        assert distances.max() <= 1e-8 * np.abs(known).max()
-        met += len(switches)
-    assert met
-
-
 def over_nodes(arcs: Arcs, state: ContactState) -> FloatArray:
     """The matrix of displacements, velocities, a sine and a cosine for each load, and 1, by assembled matrices."""
     assembly, problem, forces = arcs.model.assembly, arcs.problem, arcs.problem.forces
@@ -195,45 +132,6 @@ def test_a_chain_is_what_exponentials_of_matrices_over_the_nodes_give() -> None:
         for part, known in zip(np.split(found.end, 2), np.split(x[: start.size], 2), strict=True):
             # The matrix rounds by 1e-16 of the highest omega^2, up to 1e8 of the lowest.
             assert np.abs(last @ part - known).max() <= 1e-6 * np.abs(known).max()
-
-
-def by_differences(
-    arcs: Arcs, sequence: ContactSequence, start: FloatArray, time: float, durations: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Derivatives of end and events: by the start, in which both are linear, and central differences by durations."""
-
-    def values(start: FloatArray, durations: FloatArray) -> FloatArray:
-        found = arcs.chain(sequence, start, time, durations, derivatives=False)
-        return np.concatenate([found.end, found.events])
-
-    there = values(0 * start, durations)
-    columns = [values(unit, durations) - there for unit in np.eye(start.size)]
-    fastest = max(max(s.omega[-1], 2 * s.damping_rate.max()) for s in map(arcs.model.system, sequence.states))
-    step = 0.02 / fastest  # of sixth order: truncation is 1e-13, rounding 1e-14
-    for unit in np.eye(durations.size) * step:
-        one, two, three = (values(start, durations + k * unit) - values(start, durations - k * unit) for k in (1, 2, 3))
-        columns.append((45 * one - 9 * two + three) / (60 * step))
-    both = np.array(columns).T
-    return both[: start.size], both[start.size :]
-
-
-def test_derivatives_are_those_of_differences() -> None:
-    for arcs, sequence, start, time, durations in population(2, 20):
-        found = arcs.chain(sequence, start, time, durations)
-        assert found.end_by is not None
-        assert found.events_by is not None
-        end_by, events_by = by_differences(arcs, sequence, start, time, durations)
-        n = start.size // 2
-        first, last = (
-            np.append(np.maximum(arcs.model.system(state).omega, arcs.omega), np.ones(n))
-            for state in (sequence.first, sequence.states[-1])
-        )
-        apart, by_durations = np.abs(found.end_by - end_by) * last[:, None], end_by[:, 2 * n :] * last[:, None]
-        assert (apart[:, : 2 * n] / first).max() <= 1e-12
-        assert (apart[:, 2 * n :] <= 1e-7 * np.abs(by_durations).max(axis=0)).all()
-        for part in (slice(n), slice(n, 2 * n), slice(2 * n, None)):  # by displacements, velocities, and durations
-            known, other = found.events_by[:, part], events_by[:, part]
-            assert (np.abs(known - other) <= 1e-7 * np.abs(other).max(axis=1, keepdims=True)).all()
 
 
 def exact_means(a: float, omega: float, d: float) -> list[tuple[mp.mpf, mp.mpf]]:
@@ -324,75 +222,6 @@ def test_a_contact_of_no_duration_leaves_no_trace() -> None:
         assert np.abs(arcs.later(FREE, start, time, first + second) - alone.end).max() <= 1e-15 * size
 
 
-def test_later_and_later_still_is_later() -> None:
-    for number in range(6):
-        rng = np.random.default_rng((5, number))
-        arcs = arcs_of(joint(rng, number))
-        state = ContactState((0,)) if number % 2 else FREE
-        _, start, time, _ = any_chain(rng, arcs, 0)
-        first, second = arcs.period * rng.uniform(0.01, 0.5, size=2)
-        there = arcs.later(state, arcs.later(state, start, time, first), time + first, second)
-        known = arcs.later(state, start, time, first + second)
-        assert np.abs(there - known).max() <= 1e-11 * np.abs(start).max()
-        assert (
-            np.abs(arcs.later(state, start, time + 3 * arcs.period, first + second) - known).max()
-            <= 1e-11 * np.abs(start).max()
-        )
-        system = arcs.model.system(state)
-        step = 0.1 / max(system.omega[-1], 2 * system.damping_rate.max())
-        back = arcs.later(state, arcs.later(state, start, time, -step), time - step, step)
-        assert np.abs(back - start).max() <= 1e-13 * np.abs(start).max()
-
-
-def test_a_chain_a_period_later_is_the_same() -> None:
-    for arcs, sequence, start, time, durations in population(6, 6):
-        one, two = (arcs.chain(sequence, start, time + k * arcs.period, durations) for k in (0, 2))
-        assert np.abs(one.end - two.end).max() <= 1e-11 * np.abs(one.end).max()
-        assert one.end_by == pytest.approx(two.end_by, rel=1e-9, abs=1e-11 * np.abs(one.end_by).max())  # type: ignore[arg-type]
-        assert two.times == pytest.approx(one.times + 2 * arcs.period, rel=1e-14)
-
-
-def test_a_motion_is_the_displacement_at_the_stops_along_the_arcs() -> None:
-    for arcs, sequence, start, time, durations in population(7, 20):
-        found = arcs.chain(sequence, start, time, durations, derivatives=False)
-        motion, stops = arcs.motion(sequence, found, durations), arcs.problem.stops
-        places, first = np.unique([stop.x for stop in stops], return_index=True)
-        assert motion.weights.shape == (len(durations), places.size, motion.rates.shape[1])
-        assert motion.duration.tolist() == durations.tolist()
-        assert motion.start == pytest.approx(found.times - time, abs=1e-14)
-        assert all(array.flags.c_contiguous for array in motion)
-        for i, state in enumerate(sequence.states):
-            assert motion.orientation[i].tolist() == [-1.0 if k in state else 1.0 for k in range(len(stops))]
-            system, tau = arcs.model.system(state), 0.7 * float(durations[i])
-            z = (
-                system.stops[first]
-                @ arcs.later(state, found.starts[i], float(found.times[i]), tau)[: system.omega.size]
-            )
-            waves = motion.amplitudes[i] * np.exp(motion.rates[i] * tau)
-            known = (motion.weights[i] @ waves).real + motion.polynomial[i] @ np.array([1.0, tau, tau**2])
-            # The two exponentials of a critical mode are kept apart, by which its motion changes by 1e-8.
-            assert (
-                np.abs(known - z).max()
-                <= 1e-7 * (np.abs(system.stops[first]) @ np.abs(found.starts[i][: system.omega.size])).max()
-            )
-
-
-def test_a_section_point_and_its_coordinates_are_one() -> None:
-    for number in range(6):
-        rng = np.random.default_rng((8, number))
-        period_map = fe_lapjoint.Solver(elements=4).period_map(joint(rng, number))
-        arcs, state = period_map.arcs, ContactState((0,))
-        n = arcs.model.system(state).omega.size
-        y = rng.normal(size=2 * n)
-        point = arcs.point(state, y)
-        assert point.state == state
-        assert np.abs(arcs.coordinates(point) - y).max() <= 1e-11 * np.abs(y).max()
-        free = np.concatenate([arcs.model.transfer(state, FREE) @ part for part in np.split(y, 2)])
-        assert period_map.size(point) == pytest.approx(float(np.linalg.norm(free * arcs.unit_norms(FREE))), rel=1e-9)
-        with pytest.raises(InputError, match="another mesh"):
-            arcs_of(arcs.problem, 12).coordinates(point)
-
-
 def test_modes_that_die_out_change_no_derivative(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = paper_joint(angular_frequency=515.0, damping_ratio=0.05)
     arcs = arcs_of(problem, 16)
@@ -408,12 +237,3 @@ def test_modes_that_die_out_change_no_derivative(monkeypatch: pytest.MonkeyPatch
         assert all_modes is not None
         assert np.count_nonzero(known[0, :n]) < np.count_nonzero(all_modes[0, :n])
         assert np.abs(known - all_modes).max() <= 1e-14 * np.abs(all_modes).max()
-
-
-def test_free_modes_are_followed_backwards_beside_overdamped_ones() -> None:
-    a, omega, t = np.array([0.1, 2.0, 1.0, 0.0, 0.5]), np.array([3.0, 1.0, 1.0, 0.0, 0.0]), np.array([0.7])
-    forth, back = (np.array(free_response(a, omega, sign * t))[:, :, 0] for sign in (1, -1))
-    for i in range(a.size):
-        (C, S), (c, s) = forth[:, i], back[:, i]
-        one, two = (np.array([[x, y], [-(omega[i] ** 2) * y, x - 2 * a[i] * y]]) for x, y in ((C, S), (c, s)))
-        assert one @ two == pytest.approx(np.eye(2), abs=1e-14)

@@ -84,9 +84,3 @@ def test_a_motion_that_modal_damping_holds_at_a_gap_is_named(monkeypatch: pytest
         fe_lapjoint.Solver(elements=8).simulate(problem, 0.02, errors=False)
     viscous = problem.replace(damping=ViscousDamping(coefficient=1.0))
     assert len(fe_lapjoint.Solver(elements=8).simulate(viscous, 0.02, errors=False).contacts) < 100
-
-
-def test_a_stop_on_a_fixed_node_has_no_bounce() -> None:
-    problem = pressed(1e12)
-    problem = problem.replace(stops=(Stop(x=0.0, side="top", gap=0.0, stiffness=1e12),))
-    assert ratio(problem, 4) == 0.0

@@ -1,4 +1,4 @@
-"""The exact flow of the finite element model against the matrix exponential, the equation of motion and energy."""
+"""The exact flow of the finite element model obeys the equation of motion."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 from beams import CLAMP
 from scipy.integrate import fixed_quad
-from scipy.linalg import expm
 
-import fe_lapjoint
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.system import build_system
 from fe_lapjoint.modes.assembly import Assembly
@@ -22,7 +20,6 @@ from lapjoint import (
     Beam,
     ModalDamping,
     NoDamping,
-    PolynomialShape,
     Problem,
     SineLoad,
     StepLoad,
@@ -53,21 +50,6 @@ DAMPINGS = {
 
 @pytest.mark.parametrize("name", DAMPINGS)
 @pytest.mark.parametrize("supports", [(CLAMP,), (Support(x=0.0, translational=math.inf),), ()])
-def test_the_exact_flow_is_the_matrix_exponential(name: str, supports: tuple[Support, ...]) -> None:
-    problem = SHAKEN.replace(damping=DAMPINGS[name], supports=supports, base_motion=None, point_loads=())
-    system = build_system(Assembly(problem, mesh_nodes(problem, 4, None)), FREE)
-    rng, n = np.random.default_rng(0), system.omega.size
-    begin = np.concatenate([rng.normal(size=n) * 1e-3, rng.normal(size=n) * 1e-2])
-    flow = Flow(system, 0.0, begin[:n], begin[n:])
-    for t in (1e-4, 3e-2):
-        transition = expm(system.jacobian(0.0, np.zeros(0)) * t)
-        moved = np.concatenate([flow(np.array([t])), flow(np.array([t]), 1)])[:, 0]
-        size = np.abs(transition).max() * np.abs(begin).max()
-        np.testing.assert_allclose(moved, transition @ begin, atol=1e-9 * size)
-
-
-@pytest.mark.parametrize("name", DAMPINGS)
-@pytest.mark.parametrize("supports", [(CLAMP,), (Support(x=0.0, translational=math.inf),)])
 def test_flow_rates_and_integrals_satisfy_the_equation_of_motion(name: str, supports: tuple[Support, ...]) -> None:
     problem = SHAKEN.replace(damping=DAMPINGS[name], supports=supports)
     system = build_system(Assembly(problem, mesh_nodes(problem, 4, None)), FREE)
@@ -82,23 +64,3 @@ def test_flow_rates_and_integrals_satisfy_the_equation_of_motion(name: str, supp
     edges = np.linspace(0.3, 0.32, 101)  # resolve the highest of these modes, with 20 points in each piece
     area = sum(fixed_quad(flow, a, b, n=20)[0] for a, b in pairwise(edges))
     np.testing.assert_allclose(flow.integral(0.32), area, atol=1e-9 * np.abs(area).max())
-
-
-def test_energy_is_kept_without_damping_and_load() -> None:
-    problem = Problem(
-        beam=BEAM,
-        supports=(CLAMP,),
-        stops=(Stop(x=2.0, side="top", gap=1e-3, stiffness=1e5),),
-        initial=PolynomialShape(displacement=(0.0, 0.0, -2e-3)),
-    )
-    history = fe_lapjoint.Solver(elements=16).simulate(problem, 0.3)
-    assert len(history.contacts) >= 2
-    x, w = np.polynomial.legendre.leggauss(20)
-    edges = np.linspace(0, 2.0, 17)
-    half = np.diff(edges)[:, None] / 2
-    points, weights = ((edges[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
-    t = np.linspace(0, 0.3, 60)
-    energy = BEAM.m / 2 * weights @ history.velocity(points, t) ** 2
-    energy += BEAM.EI / 2 * weights @ history.evaluate(points, t, dx=2) ** 2
-    energy += 1e5 / 2 * np.maximum(history.displacement(2.0, t)[0] - 1e-3, 0) ** 2
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-8)

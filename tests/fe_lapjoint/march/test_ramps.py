@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
 import pytest
-from brute_force import switches
+from dense_march import dense_march
+from few_and_many import few_and_many
 from population import recorded_joint
 from scipy.integrate import fixed_quad, solve_ivp
 
 import fe_lapjoint
+from fe_lapjoint.march.initial import initial_coordinates, initial_state
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.ramp_march import LONGEST
 from fe_lapjoint.march.system import build_system
@@ -19,7 +22,7 @@ from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import FREE, History, InputError, ModalDamping, Problem, Stop, paper_joint
 from lapjoint.errors import RecordWarning
-from lapjoint.problem import RandomBaseMotion, RecordBaseMotion
+from lapjoint.problem import RecordBaseMotion
 
 SEED = 1
 FEW = (1, 2, 3, 6, 11, 17, 21)  # joints that turn, creep or ring, with knots as many and as few as they come
@@ -38,23 +41,20 @@ def worst(index: int) -> tuple[int, float]:
     """Switches compared with those of tiny steps, and the largest difference over the duration."""
     problem, duration = recorded_joint(SEED, index)
     mesh = Assembly(problem, mesh_nodes(problem, ELEMENTS, None))
-    tiny = switches(Model(problem, mesh, "exact", 1e-9, 1e-12), duration, MOST)
+    model = Model(problem, mesh, "exact", 1e-9, 1e-12)
+    state = initial_state(model)
+    start = initial_coordinates(mesh, model.system(state))
+    tiny = dense_march(model, state, start, duration, most=MOST).switches
     found = by_stops(fe_lapjoint.Solver(elements=ELEMENTS).simulate(problem, duration, errors=False))[:MOST]
     assert [k for k, _ in found] == [k for k, _ in tiny], problem.title
     return len(tiny), max((abs(a - b) / duration for (_, a), (_, b) in zip(found, tiny, strict=True)), default=0.0)
 
 
-def test_tiny_steps_find_the_same_switches() -> None:
-    counts, errors = zip(*(worst(index) for index in FEW), strict=True)
+@pytest.mark.parametrize("indices", few_and_many(FEW, range(80)))
+def test_tiny_steps_find_the_same_switches(indices: Iterable[int]) -> None:
+    counts, errors = zip(*(worst(index) for index in indices), strict=True)
     assert sum(counts)
-    assert max(errors) < 1e-7  # the cubics of tiny steps; chaos makes of it what it will, in fourteen switches
-
-
-@pytest.mark.slow
-def test_tiny_steps_find_the_same_switches_in_many_joints() -> None:
-    counts, errors = zip(*(worst(index) for index in range(80)), strict=True)
-    assert sum(counts)
-    assert max(errors) < 1e-7
+    assert max(errors) < 1e-7  # chaos makes of it what it will, in fourteen switches
 
 
 def shaken(rate: float, duration: float, *stops: Stop) -> Problem:
@@ -101,26 +101,6 @@ def test_impulses_and_peaks_are_those_of_the_force_over_time(history: History) -
         force = np.abs(history.contact_force(np.linspace(contact.start, contact.end, 1000))[contact.stop])
         assert contact.peak_force >= force.max() * (1 - 1e-9)
         assert contact.peak_force <= force.max() * (1 + 1e-3)
-
-
-def test_a_random_motion_goes_on_over_its_blocks() -> None:
-    base = RandomBaseMotion(psd=[[5.0, 80.0], [500.0, 80.0]], rate=20000.0, seed=4)
-    problem = paper_joint().replace(base_motion=base)
-    source = problem.forces.ramps
-    assert source is not None
-    edge = source.block_at(0.0).end
-    duration = 2.5 * edge
-    blocks = fe_lapjoint.Solver(elements=3).simulate(problem, duration, errors=False)
-    assert any(piece.end == edge for piece in blocks.field.pieces)
-    t = np.arange(int(duration * 20000.0) + 2) / 20000.0
-    record = RecordBaseMotion(quantity="acceleration", times=t, values=base.at(t, 2))
-    as_record = fe_lapjoint.Solver(elements=3).simulate(problem.replace(base_motion=record), duration, errors=False)
-    assert blocks.contacts
-    for a, b in zip(blocks.contacts[:10], as_record.contacts[:10], strict=True):
-        assert (a.stop, a.start) == (b.stop, pytest.approx(b.start, abs=1e-8))
-        assert a.impulse == pytest.approx(b.impulse, rel=1e-5)
-    around, size = np.array([edge - 1e-9, edge, edge + 1e-9]), np.abs(as_record.displacement(2.5, t[:-1])).max()
-    assert np.ptp(blocks.displacement(2.5, around)) < 1e-6 * size
 
 
 def test_a_long_record_keeps_few_pieces() -> None:

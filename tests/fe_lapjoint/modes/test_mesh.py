@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from beams import CLAMP, UNIT
-from click.testing import CliRunner
 
 import fe_lapjoint
 from fe_lapjoint.march.system import build_system
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint import FREE, ContactState, InputError, Problem, StepLoad, Stop, Support
-from lapjoint.cli.main import main
-from lapjoint.problem import write_problem
 
 SOLVER = fe_lapjoint.Solver(elements=20)
 
@@ -43,7 +39,7 @@ def test_places_that_rounding_parts_are_one_node() -> None:
 def test_stops_at_any_distance_have_the_frequencies_of_one_in_the_limit(stiffness: float) -> None:
     limit = frequencies(with_stops(0.3, stiffness=2 * stiffness))
     for exponent in range(2, 16):
-        d = 10.0**-exponent
+        d = 1.5 * 10.0**-exponent
         found = frequencies(with_stops(0.3 - d / 2, 0.3 + d / 2, stiffness=stiffness))
         # Two stops a distance d apart resist the slope there by k d^2 / 2 more than one, EI / d at most.
         assert found == pytest.approx(limit, rel=1e-6 + min(20 * d + stiffness * d**2, 1.0)), f"at {d:g}"
@@ -73,14 +69,6 @@ def test_a_load_beside_a_stop_acts_where_it_is() -> None:
 def test_what_elements_cannot_tell_apart_is_refused_by_name(supports: tuple[Support, ...], named: str) -> None:
     with pytest.raises(InputError, match=named + ".*allowed are the same place, or at least 0.0001 m"):
         frequencies(Problem(beam=UNIT, supports=supports))
-
-
-def test_the_command_line_refuses_it_with_status_two(tmp_path: Path) -> None:
-    problem = Problem(beam=UNIT, supports=(CLAMP, Support(x=1e-6, translational=math.inf)))
-    write_problem(problem, tmp_path / "near.toml")
-    result = CliRunner().invoke(main, ["modes", str(tmp_path / "near.toml"), "--solver", "fe"])
-    assert result.exit_code == 2
-    assert "supports[1].x = 1e-06" in result.stderr
 
 
 def test_nodes_of_the_users_own_may_be_no_nearer() -> None:

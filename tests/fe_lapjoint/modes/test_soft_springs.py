@@ -6,7 +6,6 @@ import math
 from itertools import product
 
 import mpmath as mp
-import numpy as np
 import pytest
 from beams import UNIT
 
@@ -72,15 +71,3 @@ def test_frequencies_keep_their_digits_however_soft_the_springs(kappa: float, el
             # leaves 1e-10 of the modes of 200 elements, and 1e-12 of those that soft springs make.
             allowed = omega**2 / elements**4 / 300 + (1e-12 if omega < 1e-2 else 3e-10)
             assert omega == pytest.approx(root_near(omega, ends), rel=allowed), f"{name}, {kappa:g}"
-
-
-def test_shapes_on_soft_springs_are_orthogonal_and_rigid_ones_straight() -> None:
-    problem = Problem(beam=UNIT, supports=(Support(x=0.0, translational=1e-9), Support(x=1.0, translational=2e-9)))
-    shapes = fe_lapjoint.Solver(elements=100).modes(problem, FREE, 4).shapes
-    node, weight = np.polynomial.legendre.leggauss(4)
-    h = 0.01
-    x = (h * np.arange(100)[:, None] + h * (node + 1) / 2).ravel()
-    phi = shapes(x)
-    assert (phi * np.tile(weight * h / 2, 100)) @ phi.T == pytest.approx(np.eye(4), abs=1e-12)  # rounding
-    straight = np.polynomial.polynomial.polyfit(x, phi[:2].T, 1)
-    assert phi[:2] == pytest.approx(np.polynomial.polynomial.polyval(x, straight), abs=1e-8)  # bending by the springs

@@ -10,30 +10,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS
+from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS, with_section
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, History, InputError, Problem, Stop, paper_joint, time_series, write_series
+from lapjoint import BaseMotion, History, InputError, Problem, Stop, paper_joint, time_series, write_series
 from lapjoint.answers.series import MOST_VALUES, PER_PERIOD, QUANTITIES
 from lapjoint.files.netcdf import is_whole
-from lapjoint.problem import Material, Rectangle
+from lapjoint.problem import FloatArray, Rectangle
 from lapjoint.problem.files import from_toml
 from lapjoint.problem.records import RecordBaseMotion
 
-E, HEIGHT = 24e3, 0.1
+E, HEIGHT = 2e11, 0.02
+EI = E * 0.05 * HEIGHT**3 / 12
 BASE = BaseMotion(amplitude=0.5, angular_frequency=3.0, phase=0.2)
 
 
 @pytest.fixture
 def solid(history: History) -> History:
-    """The written motion, of a beam with EI = 2 N m2 that has a section, on a base that moves."""
-    beam = Beam(
-        length=1.0,
-        material=Material(youngs_modulus=E, density=1.0),
-        section=Rectangle(breadth=1.0, height=HEIGHT),
-    )
-    return replace(history, problem=history.problem.replace(beam=beam, base_motion=BASE))
+    """The written motion, of a beam that has a section, on a base that moves."""
+    steel = with_section(history, Rectangle(breadth=0.05, height=HEIGHT))
+    return replace(steel, problem=steel.problem.replace(base_motion=BASE))
 
 
 def test_every_quantity_is_that_of_the_closed_form(solid: History) -> None:
@@ -52,8 +49,8 @@ def test_every_quantity_is_that_of_the_closed_form(solid: History) -> None:
         "absolute_displacement": shape * wave + y,
         "absolute_velocity": shape * rate_of_wave + v,
         "absolute_acceleration": -(OMEGA**2) * shape * wave - 9 * y,
-        "moment": 2.0 * curvature * wave,
-        "shear": 2.0 * -3 * AMPLITUDE * wave * np.ones_like(x),
+        "moment": EI * curvature * wave,
+        "shear": EI * -3 * AMPLITUDE * wave * np.ones_like(x),
         "stress": -E * HEIGHT / 2 * curvature * wave,
         "force": STIFFNESS * np.array([-np.maximum(tip - GAP, 0), np.maximum(-tip - GAP, 0)]),
     }
@@ -138,25 +135,11 @@ def test_the_default_rate_is_enough_for_the_fastest_mode(solver: analytic.Solver
     count = 8 if isinstance(solver, analytic.Solver) else 16  # 18 degrees of freedom, of which the root fixes two
     highest = max(solver.modes(joint, state, count).angular_frequencies[-1] for state in set(motion.states))
     assert motion.highest_mode == pytest.approx(highest, rel=1e-9)
-    found = time_series(motion, quantities=["displacement", "absolute_velocity", "force"])
+    found = time_series(motion)
     assert found.attrs["rate"] == pytest.approx(PER_PERIOD * motion.highest_mode / (2 * math.pi))
     assert f"{motion.highest_mode:.6g} rad/s of a mode" in found.attrs["rate_source"]
     assert found.x.values.tolist() == sorted({joint.beam.length, *(stop.x for stop in joint.stops)})
     assert np.array_equal(found.displacement.values, motion.displacement(found.x.values, found.time.values))
-    base = joint.base_motion
-    assert base is not None
-    velocity = motion.velocity(found.x.values, found.time.values) + base.at(found.time.values, 1)
-    assert np.array_equal(found.absolute_velocity.values, velocity)
-    assert np.array_equal(found.force.values, motion.contact_force(found.time.values))
-
-
-def test_both_solvers_give_the_same_series() -> None:
-    series = [
-        time_series(solver.simulate(paper_joint(), 0.02, errors=False), rate=2000.0)
-        for solver in (analytic.Solver(), fe_lapjoint.Solver())
-    ]
-    one, other = (each.displacement.values for each in series)
-    assert np.max(np.abs(one - other)) < 1e-2 * np.max(np.abs(one))  # as their truncation allows
 
 
 def test_each_refusal_is_one_clear_message(history: History) -> None:
@@ -178,10 +161,14 @@ def test_each_refusal_is_one_clear_message(history: History) -> None:
         time_series(replace(history, problem=history.problem.replace(stops=())), quantities=["force"], rate=10)
 
 
+def shaken_by(record: FloatArray, history: History) -> History:
+    """The history of a joint whose base moves as samples of its acceleration say, over one second."""
+    base = RecordBaseMotion(quantity="acceleration", times=np.linspace(0.0, 1.0, record.size), values=record)
+    return replace(history, problem=history.problem.replace(base_motion=base), highest_mode=40.0)
+
+
 def test_a_long_record_fits_into_the_file(history: History, tmp_path: Path) -> None:
-    time = np.linspace(0.0, 1.0, 20_001)
-    record = RecordBaseMotion(quantity="acceleration", times=time, values=np.sin(OMEGA * time))
-    shaken = replace(history, problem=history.problem.replace(base_motion=record))
+    shaken = shaken_by(np.sin(OMEGA * np.linspace(0.0, 1.0, 20_001)), history)
     found = time_series(shaken, quantities=["absolute_acceleration"], rate=100.0)
     write_series(found, tmp_path / "a.nc")
     assert is_whole((tmp_path / "a.nc").read_bytes())
@@ -191,9 +178,6 @@ def test_a_long_record_fits_into_the_file(history: History, tmp_path: Path) -> N
 
 @pytest.mark.parametrize(("samples", "rate"), [(501, 500.0), (11, PER_PERIOD * 40.0 / (2 * math.pi))])
 def test_by_default_no_sample_of_a_record_is_passed_over(history: History, samples: int, rate: float) -> None:
-    time = np.linspace(0.0, 1.0, samples)
-    record = RecordBaseMotion(quantity="acceleration", times=time, values=np.sin(OMEGA * time))
-    shaken = replace(history, problem=history.problem.replace(base_motion=record), highest_mode=40.0)
-    found = time_series(shaken)
+    found = time_series(shaken_by(np.ones(samples), history))
     assert found.rate == pytest.approx(rate)
     assert ("record" in found.rate_source) == (samples == 501)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import json
-import math
 import os
 import re
 import signal
@@ -20,22 +19,11 @@ from typing import Any, NamedTuple
 import pytest
 import xarray as xr
 from counting_solver import installed
+from small_joints import HIGH, LOW, SHAKEN, TOUCHING
 
-from lapjoint import (
-    BaseMotion,
-    Beam,
-    ModalDamping,
-    Problem,
-    Stop,
-    Support,
-    ViscousDamping,
-    branch,
-    paper_joint,
-    statistics,
-)
+from lapjoint import branch, paper_joint, statistics
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.errors import InputError, SolverError
-from lapjoint.problem.random_motion import RandomBaseMotion
 
 pytest.importorskip("distributed")
 JOINT = paper_joint()
@@ -142,13 +130,6 @@ def test_a_point_that_kills_every_worker_is_given_up_alone(cluster: Cluster) -> 
 
 @pytest.mark.thorough
 def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
-    shaken = Problem(
-        beam=Beam(length=1.0, bending_stiffness=200.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-4, stiffness=1e4),),
-        damping=ModalDamping(ratio=0.1),
-        base_motion=RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]]),
-    )
     killed: list[float] = []
 
     def kill_one(done: float, total: float) -> None:
@@ -157,20 +138,13 @@ def test_statistics_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cl
             cluster.kill_a_worker()
 
     given: dict[str, Any] = {"duration": 1.5, "seeds": 8, "options": {"n_modes": 2}}
-    found = statistics(shaken, scheduler=cluster.address, out=tmp_path / "stats.nc", progress=kill_one, **given)
+    found = statistics(SHAKEN, scheduler=cluster.address, out=tmp_path / "stats.nc", progress=kill_one, **given)
     assert killed
-    xr.testing.assert_identical(found, statistics(shaken, **given))
+    xr.testing.assert_identical(found, statistics(SHAKEN, **given))
 
 
 @pytest.mark.thorough
 def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(cluster: Cluster, tmp_path: Path) -> None:
-    bar = Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
-        damping=ViscousDamping(coefficient=0.8),
-        base_motion=BaseMotion(amplitude=3e-4, angular_frequency=5.0),
-    )
     killed: list[float] = []
 
     def kill_one(done: float, total: float) -> None:
@@ -180,7 +154,7 @@ def test_branches_on_a_cluster_that_loses_a_worker_are_those_of_one_process(clus
 
     also = Axis("stops.*.gap", (0.95e-3, 1e-3, 1.05e-3, 1.1e-3))
     given: dict[str, Any] = {"options": {"n_modes": 2}, "errors": False, "also_over": also}
-    where = bar, "base_motion.amplitude", 3e-4, 4e-4
+    where = TOUCHING, "base_motion.amplitude", LOW, HIGH
     found = branch(*where, scheduler=cluster.address, out=tmp_path / "loci.nc", progress=kill_one, **given)
     assert killed
     xr.testing.assert_identical(found, branch(*where, **given))

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from lapjoint import InputError, Problem, SineLoad, StepLoad, paper_joint
-from lapjoint.campaigns import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.problem import BaseHarmonic, HarmonicsBaseMotion, HarmonicsLoad, LoadHarmonic
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.override import assign
@@ -107,3 +107,18 @@ def test_the_frequency_of_all_excitation_keeps_the_whole_multiples(value: float)
     assert made == found(grid.with_values, (value,))
     assert isinstance(made, str) or made.forces.fundamental == value
     assert LOADED.forces.fundamental == 515.0
+
+
+@pytest.mark.parametrize(
+    ("path", "units"),
+    [
+        ("masses.clevis.rotary_inertia", "kg m2"),
+        ("masses.*.mass", "kg"),
+        ("beam.segments[0].to", "m"),
+        ("beam.added_mass_per_length", "kg m-1"),
+        ("gravity.acceleration", "m s-2"),
+        ("uniform_loads.0.from", "m"),
+    ],
+)
+def test_an_axis_of_a_mass_a_step_or_a_load_has_its_unit(path: str, units: str) -> None:
+    assert Axis(path, (1.0,)).units == units

@@ -25,11 +25,12 @@ from counting_solver import asked
 import lapjoint.campaigns.running
 from lapjoint import ContactState, paper_joint
 from lapjoint.answers import SectionPoint
-from lapjoint.campaigns import FREQUENCY, Axis, run
+from lapjoint.campaigns import FREQUENCY, Axis
 from lapjoint.campaigns.grid import Grid
-from lapjoint.campaigns.journal import CellJournal, journal_path
+from lapjoint.campaigns.journal import Journal, journal_path
 from lapjoint.campaigns.point import Point, plain_section, section_from
-from lapjoint.campaigns.sweep.running import SweepJob
+from lapjoint.campaigns.running import run_job
+from lapjoint.campaigns.sweep.job import SweepJob
 from lapjoint.campaigns.sweep.spec import Plan
 from lapjoint.errors import DamageWarning, InputError, OutputError
 
@@ -52,6 +53,10 @@ POINT = Point(
 def plan(**changes: Any) -> Plan:
     given = {"grid": Grid(JOINT, (Axis(FREQUENCY, range(100, 120)),)), "solver": "counting"} | changes
     return Plan(**given)
+
+
+def run(this: Plan, **running: Any) -> xr.Dataset:
+    return run_job(SweepJob(this), **running)
 
 
 @pytest.fixture
@@ -94,12 +99,12 @@ def warns_of(path: Path, kept: str) -> Iterator[None]:
 
 @pytest.mark.parametrize("modal", [True, False])
 def test_what_it_keeps_comes_back_exactly(modal: bool, tmp_path: Path) -> None:
-    journal = CellJournal(SweepJob(plan()), tmp_path / "curve.nc")
+    journal = Journal(SweepJob(plan()), tmp_path / "curve.nc")
     coordinates, nodes = np.array([[1 / 3, -0.0], [5e-324, 1e300]]), None if modal else np.array([0.0, 0.1, 2 / 3])
     section = SectionPoint(ContactState((1, 3)), coordinates, nodes)
     journal.append({7: POINT, 8: Point(message="é")}, plain_section(section))
     journal.close()
-    again = CellJournal(SweepJob(plan()), tmp_path / "curve.nc")
+    again = Journal(SweepJob(plan()), tmp_path / "curve.nc")
     assert list(again.points) == [7, 8]
     assert json.dumps(astuple(again.points[7])) == json.dumps(astuple(POINT))
     assert again.points[8].message == "é"
@@ -185,7 +190,7 @@ def test_what_is_not_a_sweep_is_not_overwritten(out: Path) -> None:
 
 
 def test_two_at_once_are_refused(out: Path) -> None:
-    journal = CellJournal(SweepJob(plan()), out)
+    journal = Journal(SweepJob(plan()), out)
     with pytest.raises(InputError, match="another process is at work on it"):
         run(plan(), out=out)
     journal.close()
@@ -308,7 +313,7 @@ def resumed(this: Plan, out: Path) -> dict[int, str] | None:
     """The points that a journal gives back, and the section points that go on from them; None if it is refused."""
     content = journal_path(out).read_bytes()
     try:
-        journal = CellJournal(SweepJob(this), out)
+        journal = Journal(SweepJob(this), out)
     except InputError:
         assert journal_path(out).read_bytes() == content
         return None
@@ -372,7 +377,7 @@ def test_a_journal_is_left_without_its_damaged_lines(out: Path) -> None:
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join([b"x" + lines[0], *lines[1:4], lines[4][:-9], *lines[5:]]))
     with warns_of(path, "2 lines are damaged and dropped; 8 of 20 points are whole"):
-        CellJournal(SweepJob(this), out).close()
+        Journal(SweepJob(this), out).close()
     assert path.read_bytes().splitlines(keepends=True) == [*lines[:4], *lines[6:]]
     assert sorted(each.name for each in out.parent.glob("*journal*")) == ["curve.nc.journal"]
-    CellJournal(SweepJob(this), out).close()
+    Journal(SweepJob(this), out).close()

@@ -22,7 +22,7 @@ from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.campaigns.grid import MOST_POINTS, UNITS, Grid
 from lapjoint.campaigns.journal import journal_path
 from lapjoint.campaigns.random_start import random_initial
-from lapjoint.errors import InputError, Interrupted, SolverError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import BaseHarmonic
 from lapjoint.problem.excitation import Wave
 
@@ -33,15 +33,6 @@ FREQUENCIES = Axis(FREQUENCY, range(100, 140))
 
 def counted(**options: Any) -> dict[str, Any]:
     return {"solver": "counting", "options": options}
-
-
-@pytest.mark.thorough
-def test_two_workers_find_what_one_finds(tmp_path: Path) -> None:
-    axes = [Axis(FREQUENCY, range(500, 560, 10)), Axis("stops.*.gap", [1e-3, 2e-3])]
-    alone = sweep(JOINT, axes, options=FEW)
-    together = sweep(JOINT, axes, options=FEW, workers=2, out=tmp_path / "curve.nc")
-    xr.testing.assert_identical(alone, together)
-    assert [path.name for path in tmp_path.iterdir()] == ["curve.nc"]
 
 
 def test_a_point_is_what_the_solver_says_there() -> None:
@@ -429,14 +420,3 @@ def test_a_script_without_a_guard_is_told_so(counting: Path) -> None:
     assert done.returncode == 1
     assert SolverError.__name__ in done.stderr
     assert 'must do so below if __name__ == "__main__"' in done.stderr
-
-
-def test_an_interrupt_here_keeps_what_is_done(counting: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
-
-    def stop(done: float, total: float) -> None:
-        if done == 5:
-            raise KeyboardInterrupt
-
-    with pytest.raises(Interrupted, match=r"^interrupted: 5 of 40 points are kept in .*curve\.nc\.journal"):
-        sweep(JOINT, [FREQUENCIES], out=counting / "curve.nc", progress=stop, **counted())

@@ -8,9 +8,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from beams import unit_cantilever, with_stops
 from command_line import FEW, PAPER, SIMULATE, assert_refused, problem_file, run, run_well
 
-from lapjoint import paper_joint
+from lapjoint import paper_joint, write_problem
+from lapjoint.problem import RandomBaseMotion
 from lapjoint.problem.files import to_toml
 
 
@@ -26,9 +28,8 @@ def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) 
 def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
     evil, formula = "\x1b[2J\x9b31m\x07\u202e", "=HYPERLINK(1)"
     names = (evil, formula, "-1", "+x")
-    stops = [stop.model_copy(update={"name": name}) for stop, name in zip(paper_joint().stops, names, strict=True)]
     path, table = tmp_path / "problem.toml", tmp_path / "contacts.csv"
-    path.write_text(to_toml(paper_joint().replace(stops=tuple(stops), title=evil)))
+    write_problem(with_stops(paper_joint().replace(title=evil), *({"name": name} for name in names)), path)
     results = [
         run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
         run("modes", path, "--modes", "1"),
@@ -47,10 +48,7 @@ def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_p
 
 
 BAD_FILES: list[tuple[str, str, str, str]] = [
-    ("negative length", "length = 2.5", "length = -2.5", "beam.length = -2.5: must be greater than 0"),
     ("stop outside", "x = 2.5", "x = 2.6", "stops[0].x = 2.6: lies outside the beam; allowed are 0 to 2.5 m"),
-    ("NaN", "gap = 0.001", "gap = nan", "stops[0].gap = nan: must be"),
-    ("unknown key", "gap = 0.001", "gpa = 0.001", "stops[0].gpa: unknown key; did you mean gap?"),
     ("unreadable TOML", "length = 2.5", "length = ", "is not valid TOML"),
     ("text for a gap", "gap = 0.001", 'gap = "wide"', 'stops[0].gap = "wide": must be a number'),
 ]
@@ -62,7 +60,7 @@ def test_a_bad_file_is_refused(command: tuple[str, ...], change: str, to: str, m
     assert_refused(run(*command, problem_file(tmp_path, change, to)), message)
 
 
-SERIES = (*SIMULATE, "--series", "a.csv")
+SERIES, FIGURE = (*SIMULATE, "--series", "a.csv"), (*SIMULATE, "--figure", "a.png")
 NOWHERE = ("sweep", PAPER, "--modes", "4")
 OUT = ("--out", "c.nc")
 RANGE = (*OUT, "--from", "1", "--to", "2")
@@ -74,18 +72,8 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("no such file", ("modes", "missing.toml"), "missing.toml: cannot be read: No such file"),
     ("a directory", ("modes", "."), "cannot be read"),
     ("no such preset", ("modes", "preset:other"), "allowed: paper, sdnl104"),
-    ("moved clamp", ("modes", PAPER, "--set", "initial={kind='polynomial', displacement=[1e-3]}"), "moves supports[0]"),
-    ("bad value", ("modes", PAPER, "--set", "stops.0.gap=wide"), 'stops[0].gap = "wide": must be a number'),
-    ("a huge section", ("modes", PAPER, "--set", "beam.section.height=1e200"), "the bending stiffness EI comes to inf"),
     ("a huge length", ("modes", PAPER, "--set", "beam.length=1e308"), "follows from material.density, section.breadth"),
     ("a huge density", ("modes", PAPER, "--set", "beam.material.density=1.7e308"), "the mass per length m comes to"),
-    ("an infinite density", ("modes", PAPER, "--set", "beam.material.density=1.8e308"), "density = inf: must be a fin"),
-    (
-        "a huge frequency",
-        ("modes", PAPER, "--set", "base_motion.angular_frequency=1e200"),
-        "the square of the angular frequency comes to inf",
-    ),
-    ("a huge gap", ("modes", PAPER, "--set", "stops.0.gap=1e308"), "stops[0].gap = 1e+308: must be at most 1e+100 m"),
     ("a long index", ("modes", PAPER, "--set", f"stops.{'1' * 5000}.gap=1"), "...: there is no element '1111"),
     ("a deep path", ("modes", PAPER, "--set", f"{'a.' * 3000}b=1"), "is 3001 keys deep; a problem is at most 20"),
     ("a deep list", ("modes", PAPER, "--set", f"stops={'[' * 3000}{']' * 3000}"), "[...: must be a list"),
@@ -106,19 +94,23 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("series as what?", (*SIMULATE, "--series", "a.txt"), "--series a.txt: the name must end in .nc, .csv"),
     ("places without x", (*SERIES, "--at", "2.5"), "--at 2.5: must be x= and numbers"),
     ("places as text", (*SERIES, "--at", "x=tip"), "--at x=tip: must be x= and numbers"),
-    ("place off the beam", (*SERIES, "--at", "x=1,99"), "x = 99: lies outside the beam; allowed are 0 to "),
+    ("places of nothing", (*SIMULATE, "--at", "x=1"), "--at: there is neither a series nor a figure that shows places"),
+    ("places in time", (*FIGURE, "--draw", "states", "--at", "x=1"), "--at: there is neither a series nor a figure"),
+    (
+        "two for one",
+        (*FIGURE, "--draw", "phase", "--at", "x=1,2"),
+        "--at x=1,2: figure phase shows one place; give one",
+    ),
+    ("place of a figure off the beam", (*FIGURE, "--at", "x=9"), "x = 9: lies outside the beam"),
     ("unknown quantity", (*SERIES, "--quantity", "force,slope"), "quantity 'slope': is unknown; allowed: displacement"),
     ("too many samples", (*SERIES, "--rate", "1e12"), "samples of each of"),
-    ("no rate", (*SERIES, "--rate", "0"), "rate = 0: must be positive and finite, in Hz"),
     ("negative duration", ("simulate", PAPER, "--duration", "-1"), "--duration -1: must be positive"),
-    ("no duration", ("simulate", PAPER, "--duration", "0"), "--duration 0: must be positive"),
     ("NaN duration", ("simulate", PAPER, "--duration", "nan"), "--duration nan: must be positive and finite"),
-    ("endless duration", ("simulate", PAPER, "--duration", "inf"), "--duration inf: must be positive and finite"),
     ("text for duration", ("simulate", PAPER, "--duration", "long"), "'long' is not a valid float"),
     ("contacts as a picture", (*SIMULATE, "--contacts", "a.png"), "must end in .csv, .json"),
     ("a figure as a table", (*SIMULATE, "--figure", "a.csv"), "must end in .png, .svg, .pdf"),
     ("a drawing without a file", (*SIMULATE, "--draw", "phase"), "--draw phase: nothing is drawn without --figure"),
-    ("an unknown drawing", (*SIMULATE, "--figure", "a.png", "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
+    ("an unknown drawing", (*FIGURE, "--draw", "orbit"), "'orbit' is not one of 'motion', 'ph"),
     (
         "sections of what has no period",
         ("simulate", "preset:sdnl104", "--duration", "1e9", "--figure", "a.png", "--draw", "poincare"),
@@ -126,7 +118,6 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ),
     ("nowhere to write", (*SIMULATE, "--contacts", "no/such/a.csv"), "there is no such directory"),
     ("nothing excites", ("steady", "preset:sdnl104"), "angular_frequency"),
-    ("one frame", ("export", PAPER, "-o", "x", "--duration", "0.01", *FEW, "--frames", "1"), "frames = 1"),
     ("no span", ("export", PAPER, "-o", "x"), "--duration, --steady: give one of them"),
     ("two spans", ("show", PAPER, "-o", "x.gif", "--steady", "--duration", "1"), "--duration, --steady: give one"),
     ("frames and times", ("export", PAPER, "-o", "x", "--steady", "--frames", "9", "--times", "0"), "give one of them"),
@@ -135,16 +126,17 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("modes of no state", ("export", PAPER, "-o", "x", "--state", "P9"), "--state P9: there is no such state"),
     ("nobody beside", ("export", PAPER, "-o", "x", "--steady", "--beside", "magic"), "'magic' is not installed"),
     ("a picture as a report", ("show", PAPER, "-o", "x.pdf", "--steady"), "must end in .png, .gif, .mp4"),
+    ("the pace of a window", ("show", PAPER, "--steady", "--pace", "2"), "--pace: a window has none"),
     ("size in words", ("show", PAPER, "-o", "x.png", "--steady", "--size", "big"), "--size big: must be width and"),
-    ("tiny picture", ("show", PAPER, "-o", "x.png", "--steady", "--size", "9x9"), "size = 9x9: allowed are 200 to"),
-    ("no scale", ("show", PAPER, "-o", "x.png", "--steady", "--scale", "0"), "scale = 0: must be positive"),
     ("export to a device", ("export", PAPER, "-o", "/dev/null", "--duration", "1e9"), "/dev/null is not a directory"),
+    ("a link to itself", ("export", PAPER, "-o", "loop", "--duration", "1e9"), "loop is not a directory"),
     ("a name with a zero byte", ("export", PAPER, "-o", "a\0", "--duration", "1e9"), "embedded null byte"),
     ("a file with a zero byte", (*SIMULATE, "--contacts", "a\0.csv"), "embedded null byte"),
     ("no name of a curve", ("plot", ""), "'': is no file"),
     ("a folder as a curve", ("plot", "."), "'.': is no file"),
     ("a curve with a zero byte", ("plot", "a\0"), "embedded null byte"),
     ("report in a device", ("validate", "-o", "/dev/null/x"), "/dev/null is not a directory"),
+    ("report in a link to itself", ("validate", "-o", "loop"), "loop is not a directory"),
     ("contacts on a directory", (*SIMULATE, "--contacts", "."), "must end in"),
     ("JSON on a directory", ("steady", PAPER, "--json", "."), "it is a directory"),
     ("init nowhere", ("init", "no/such/file.toml"), "cannot be written"),
@@ -164,7 +156,6 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("over nothing", (*NOWHERE, *OUT, "--over", "damping.ratio"), "--over damping.ratio: must be PATH="),
     ("over text", (*NOWHERE, *OUT, "--over", "damping.ratio=a,b"), "must be FROM:TO:COUNT or numbers"),
     ("over no count", (*NOWHERE, *OUT, "--over", "damping.ratio=0:1:0"), "a count from 1 to"),
-    ("over what is not there", (*NOWHERE, *OUT, "--over", "stops.P9.gap=1e-3"), "no element 'P9'"),
     ("a bad point", (*NOWHERE, *OUT, "--over", "damping.ratio=0.1,-1"), "lapjoint: damping.ratio = -1.0: must be"),
     ("no scheduler", (*NOWHERE, *RANGE, "--scheduler", "x://y"), "scheduler = 'x://y'"),
     ("no curve", ("plot", "missing.nc", "-o", "a.png"), "missing.nc: cannot be read: No such file"),
@@ -184,54 +175,31 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("values of nothing", (*RANDOM, "--values", "3"), "--values: is of the values of --over PATH"),
     ("half of --over", (*RANDOM, "--over", "damping.ratio", "--from", "1"), "--to: is missing; --over damping.ratio"),
     ("basins over nothing", (*RANDOM, *RANGE, "--over", "no.thing", "--values", "2"), "no.thing"),
-    ("basins by nobody", (*RANDOM, "--solver", "nobody"), "is not installed"),
     ("basins as a text", ("basins", PAPER, "--energy", "20", "--out", "basins.txt"), "must end in .nc"),
     ("basins as a film", (*RANDOM, "--figure", "basins.gif"), "must end in .png, .svg, .pdf"),
     ("a branch as a picture", (*BRANCH, "--from", "1", "--to", "2", "--out", "b.png"), "must end in .nc"),
     ("a branch of no range", (*BRANCH, *OUT, "--from", "1", "--to", "1"), "must differ from 1, where the range begins"),
     ("a branch from 0", (*BRANCH, *OUT, "--from", "0", "--to", "1"), "base_motion.angular_frequency"),
     ("a branch over nothing", (*BRANCH, *RANGE, "--over", "beam.colour"), "beam.colour"),
-    ("negative starts", (*BRANCH, *RANGE, "--starts", "-1"), "starts = -1"),
     ("a branch of no points", (*BRANCH, *RANGE, "--max-points", "0"), "max_points = 0"),
     ("a branch by no workers", (*BRANCH, *RANGE, "--workers", "0"), "workers = 0"),
-    ("a branch of no effort", (*BRANCH, *RANGE, "--effort", "0"), "effort = 0"),
     ("loci of no values", (*BRANCH, *RANGE, "--also-over", "stops.*.gap"), "--also-over stops.*.gap: must be"),
     ("loci of nothing", (*BRANCH, *RANGE, "--also-over", "beam.colour=1,2"), "beam.colour"),
     ("statistics of no duration", (*STATISTICS, "--seeds", "2"), "--duration: is missing"),
     ("of a negative one", (*STATISTICS, "--duration", "-1"), "--duration -1: must be positive"),
-    ("of no seeds", (*MOTIONS, "--seeds", "0"), "seeds = 0: must be an integer"),
     ("as a table", (*MOTIONS, "--out", "stats.csv"), "--out stats.csv: the name must end in .nc"),
     ("at no x", (*MOTIONS, "--at", "1"), "--at 1: must be x= and numbers"),
-    ("of the weight", (*MOTIONS, "--quantity", "weight"), "quantity 'weight': is unknown"),
-    ("of no stress", (*MOTIONS, "--quantity", "stress"), "quantity 'stress': the beam has no section"),
     ("of nothing but a start", (*MOTIONS, "--settle", "4"), "duration = 3: must be longer than the 4 s"),
-    ("at no rate", (*MOTIONS, "--rate", "-1"), "rate = -1: must be positive"),
-    ("by no workers", (*MOTIONS, "--workers", "0"), "workers = 0: must be"),
 ]
-SHORT = """beam = {length = 1.0, bending_stiffness = 200.0, mass_per_length = 1.0}
-supports = [{x = 0.0, translational = inf, torsional = inf}]
-damping = {kind = "modal", ratio = 0.1}
-base_motion = {kind = "random", psd = [[5.0, 1.0], [40.0, 1.0]]}
-"""
 
 
 @pytest.mark.parametrize(("arguments", "message"), [r[1:] for r in BAD_COMMANDS], ids=[r[0] for r in BAD_COMMANDS])
-def test_bad_input_is_refused(
-    arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "short.toml").write_text(SHORT)
+def test_bad_input_is_refused(arguments: tuple[str, ...], message: str, here: Path) -> None:
+    random = RandomBaseMotion(psd=[[5.0, 1.0], [40.0, 1.0]])
+    write_problem(unit_cantilever().replace(base_motion=random), "short.toml")
+    Path("loop").symlink_to("loop")
     assert_refused(run(*arguments), message)
-    assert {path.name for path in tmp_path.iterdir()} <= {"short.toml", "x"}
-
-
-@pytest.mark.parametrize("arguments", [("export", PAPER, "--duration", "1e9"), ("validate",)], ids=["export", "report"])
-def test_a_link_to_itself_is_no_directory(
-    arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "loop").symlink_to("loop")
-    assert_refused(run(*arguments, "-o", "loop"), "loop is not a directory")
+    assert {path.name for path in here.iterdir()} <= {"short.toml", "loop", "x"}
 
 
 def test_a_process_prints_a_message_and_no_traceback(tmp_path: Path) -> None:

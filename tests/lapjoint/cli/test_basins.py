@@ -17,9 +17,8 @@ OVER = ("--over", "base_motion.angular_frequency", "--from", "0.53", "--to", "0.
 
 
 @pytest.fixture
-def problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def problem() -> str:
     """A bar between two equal stops, with motions of one period and of three."""
-    monkeypatch.chdir(tmp_path)
     write_problem(bar(0.55, (0.4, 20.0), (-0.4, 20.0), ratio=0.05), "bar.toml")
     return "bar.toml"
 

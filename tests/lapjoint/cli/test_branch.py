@@ -7,38 +7,39 @@ from pathlib import Path
 import numpy as np
 import pytest
 from amplitude_ranges import docs_cantilever
+from beams import with_stops
 from command_line import assert_refused, run, run_well
 
 from lapjoint import write_problem
 from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 
-OVER = ("--over", "base_motion.amplitude", "--modes", "3", "--no-errors")
+OVER = ("branch", "bar.toml", "--over", "base_motion.amplitude", "--modes", "3", "--out", "b.nc")
+FOLDS = (*OVER, "--no-errors", "--from", "3e-4", "--to", "4e-4")
+"""Over a graze and two folds."""
+QUIET = (*OVER, "--no-errors", "--from", "1e-4", "--to", "1.1e-4")
+"""Below the first graze, where nothing else exists."""
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    joint = docs_cantilever()
-    (stop,) = joint.stops
-    write_problem(joint.replace(stops=(stop.model_copy(update={"name": "tip"}),)), "bar.toml")
+def bar(here: Path) -> None:
+    write_problem(with_stops(docs_cantilever(), {"name": "tip"}), here / "bar.toml")
 
 
 def test_branch_writes_a_dataset_once_and_plot_draws_it() -> None:
-    command = ("branch", "bar.toml", *OVER, "--from", "3e-4", "--to", "4e-4", "--out", "branch.nc")
-    printed = run_well(*command)
-    assert printed.startswith("Wrote branch.nc\nbranch 0: period multiple 1, ")
+    printed = run_well(*FOLDS)
+    assert printed.startswith("Wrote b.nc\nbranch 0: period multiple 1, ")
     assert "grazing of tip: persists" in printed
     assert printed.count("fold") == 2
-    assert run_well(*command).startswith("branch.nc: holds these branches already, finished")
-    run_well("plot", "branch.nc", "-o", "branch.svg")
-    assert "Wrote" in run_well("plot", "branch.nc")
+    assert run_well(*FOLDS).startswith("b.nc: holds these branches already, finished")
+    run_well("plot", "b.nc", "-o", "branch.svg")
+    assert "Wrote" in run_well("plot", "b.nc")
     assert Path("branch.svg").read_text().count("fold") >= 1
-    assert_refused(run("plot", "branch.nc", "--wide"), "--wide: a diagram of branches has one look; leave it out\n")
+    assert_refused(run("plot", "b.nc", "--wide"), "--wide: a diagram of branches has one look; leave it out\n")
 
 
 def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
-    result = run("branch", "bar.toml", *OVER, "--from", "3e-4", "--to", "4e-4", "--max-points", "6", "--out", "b.nc")
+    result = run(*FOLDS, "--max-points", "6")
     assert result.exit_code == 1, result.output
     assert "effort" in result.stdout
     (left,) = [line for line in result.stdout.splitlines() if line.startswith("no branch covers ")]
@@ -46,44 +47,31 @@ def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
 
 
 def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
-    over = ("--from", "3e-4", "--to", "4e-4", "--also-over", "stops.*.gap=0.95e-3:1.05e-3:3")
-    lines = run_well("branch", "bar.toml", *OVER, *over, "--out", "loci.nc").splitlines()
+    lines = run_well(*FOLDS, "--also-over", "stops.*.gap=0.95e-3:1.05e-3:3").splitlines()
     assert lines[1] == "3 branches at 3 values of stops.*.gap; loci:"
     assert lines[2].startswith("  first grazing of tip, 3 of 3 values: 0.000317")
     assert [line.split(",")[0] for line in lines[3:]].count("  fold") == 2
-    run_well("plot", "loci.nc", "-o", "loci.svg")
+    run_well("plot", "b.nc", "-o", "loci.svg")
     drawn = Path("loci.svg").read_text()
     assert "gap (all stops) [m]" in drawn
     assert "first grazing of tip" in drawn
 
 
-def test_where_no_bifurcation_lies_the_loci_are_said_to_be_none() -> None:
-    over = ("--from", "1e-4", "--to", "1.1e-4", "--also-over", "stops.*.gap=1e-3,1.1e-3")
-    lines = run_well("branch", "bar.toml", *OVER, *over, "--out", "none.nc").splitlines()
-    assert lines[1] == "2 branches at 2 values of stops.*.gap; no bifurcations"
-
-
 def test_how_likely_an_unknown_branch_is_is_said_and_kept(capsys: pytest.CaptureFixture[str]) -> None:
-    """Nothing else exists below the first graze, and three starts tell that much."""
-    over = ("--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
-    assert run("branch", "bar.toml", *OVER, *over).stdout.splitlines()[-1].startswith("no random starts were made")
+    assert run(*QUIET).stdout.splitlines()[-1].startswith("no random starts were made")
     assert "starts_stable" not in read_branches("b.nc")
-    said = run("branch", "bar.toml", *OVER, *over, "--force", "--starts", "3").stdout.splitlines()[-1]
+    said = run(*QUIET, "--force", "--starts", "3").stdout.splitlines()[-1]
     assert said == (
         "3 random starts: 3 led to stable motions on 1 branch, to none of which nothing else led; another one that "
         "leads to a stable motion would find an unknown branch with a probability of about 0 % (95 %: below 78 %)"
     )
     found = read_branches("b.nc")
     assert (int(found.starts_stable), int(found.starts_branches), int(found.starts_alone)) == (3, 1, 0)
-    assert (float(found.unknown_probability), float(found.unknown_probability_bound)) == (
-        0.0,
-        pytest.approx(1 - 0.01 ** (1 / 3)),
-    )
-    also = ("--also-over", "stops.*.gap=1e-3,1.1e-3", "--starts", "2", "--force")
-    said = run("branch", "bar.toml", *OVER, *over, *also).stdout.splitlines()[-1]
-    assert said.startswith(
-        "2 random starts at each of 2 values of stops.*.gap: 4 led to stable motions on 2 branches, "
-    )
+    assert float(found.unknown_probability) == 0.0
+    assert float(found.unknown_probability_bound) == pytest.approx(1 - 0.01 ** (1 / 3))
+    lines = run(*QUIET, "--also-over", "stops.*.gap=1e-3,1.1e-3", "--starts", "2", "--force").stdout.splitlines()
+    assert lines[1] == "2 branches at 2 values of stops.*.gap; no bifurcations"
+    assert lines[-1].startswith("2 random starts at each of 2 values of stops.*.gap: 4 led to stable motions on 2 bran")
     assert read_branches("b.nc").starts_stable.values.tolist() == [2, 2]
     found["starts_stable"].values[...] = 0
     print_branches(found)
@@ -93,8 +81,7 @@ def test_how_likely_an_unknown_branch_is_is_said_and_kept(capsys: pytest.Capture
 
 @pytest.mark.parametrize("asked", [True, False])
 def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) -> None:
-    over = (*OVER[:-1], *OVER[-1:] * (not asked), "--from", "3e-4", "--to", "4e-4", "--out", "b.nc")
-    result = run("branch", "bar.toml", *over)
+    result = run(*[word for word in FOLDS if not asked or word != "--no-errors"])
     assert "inf" not in result.stdout
     assert result.stdout.count(" ± ") == 3 * asked
     found = read_branches("b.nc")
@@ -111,8 +98,7 @@ def test_an_error_that_no_finer_solver_confirms_is_said_in_words(asked: bool) ->
 def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
     capsys: pytest.CaptureFixture[str], most: int, repeats: str
 ) -> None:
-    over = ("--from", "3e-4", "--to", "4e-4", "--max-period-multiple", str(most), "--out", "b.nc")
-    assert "no branch comes" not in run("branch", "bar.toml", *OVER, *over).stdout
+    assert "no branch comes" not in run(*FOLDS, "--max-period-multiple", str(most)).stdout
     found = read_branches("b.nc")
     found.attrs["range"] = np.array([3e-4, 5e-4])
     print_branches(found)
@@ -121,12 +107,10 @@ def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
 
 
 def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question() -> None:
-    command = ("branch", "bar.toml", *OVER, "--from", "1e-4", "--to", "1.1e-4", "--out", "b.nc")
-    assert run(*command).exit_code == 0
+    assert run(*QUIET).exit_code == 0
     assert "from_grazes" not in read_branches("b.nc").attrs
-    refused = run(*command, "--from-grazes")
-    assert (refused.exit_code, "--force" in refused.stderr) == (2, True)
-    assert run(*command, "--from-grazes", "--force").exit_code == 0
+    assert_refused(run(*QUIET, "--from-grazes"), "--force")
+    assert run(*QUIET, "--from-grazes", "--force").exit_code == 0
     assert int(read_branches("b.nc").attrs["from_grazes"]) == 1
 
 

@@ -25,31 +25,25 @@ def branches(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def shifted(branches: Path, by: float, path: Path) -> Path:
-    """The same branches, with all bifurcations moved by some share of their number."""
-    found = read_branches(branches)
-    found.bifurcation_value.values[:] *= 1 + by
-    write_netcdf(found, path)
-    return path
-
-
-def test_both_solvers_agree_and_the_table_says_so_once(branches: Path, tmp_path: Path) -> None:
-    command = ("confirm", branches, *ELEMENTS, "--out", tmp_path / "c.nc")
+def test_both_solvers_agree_and_the_table_says_so_once(branches: Path) -> None:
+    command = ("confirm", branches, *ELEMENTS, "--out", "c.nc")
     printed = run_well(*command)
-    assert printed.startswith(f"Wrote {tmp_path / 'c.nc'}\nanalytic (modes 8), and FE (4 elements, exact):\n")
+    assert printed.startswith("Wrote c.nc\nanalytic (modes 8), and FE (4 elements, exact):\n")
     rows = {line.split("  ")[0]: line.split()[-7:] for line in printed.splitlines()[3:]}
     assert {name: row[1:4] for name, row in rows.items()} == dict.fromkeys(("fold", "grazing", "all"), ["0"] * 3)
-    assert run_well(*command).startswith(f"{tmp_path / 'c.nc'}: holds this confirmation already, finished")
-    found = read_result(tmp_path / "c.nc", "confirmation")
+    assert run_well(*command).startswith("c.nc: holds this confirmation already, finished")
+    found = read_result("c.nc", "confirmation")
     assert (found.ratio.values <= 1).all()
     assert (found.other_value.values != found.value.values).all()
 
 
-def test_bifurcations_that_were_shifted_are_apart(branches: Path, tmp_path: Path) -> None:
-    by = 1e-3  # four elements state errors below 1e-4
-    result = run("confirm", shifted(branches, by, tmp_path / "s.nc"), *ELEMENTS, "--out", tmp_path / "c.nc")
+def test_bifurcations_that_were_shifted_are_apart(branches: Path) -> None:
+    found = read_branches(branches)
+    found.bifurcation_value.values[:] *= 1 + 1e-3  # four elements state errors below 1e-4
+    write_netcdf(found, "shifted.nc")
+    result = run("confirm", "shifted.nc", *ELEMENTS, "--out", "c.nc")
     assert result.exit_code == 1
-    found = read_result(tmp_path / "c.nc", "confirmation")
+    found = read_result("c.nc", "confirmation")
     assert [VERDICTS[code] for code in found.verdict.values] == ["apart"] * 3
     assert result.stdout.count(": apart\n") == 3
 
@@ -66,31 +60,28 @@ def test_bifurcations_that_were_shifted_are_apart(branches: Path, tmp_path: Path
         (("--option", "colour=red"), "colour"),
     ],
 )
-def test_wrong_options_are_refused_in_a_line(
-    branches: Path, tmp_path: Path, arguments: tuple[str, ...], said: str
-) -> None:
-    assert_refused(run("confirm", branches, *arguments, "--out", tmp_path / "c.nc"), said, lines=1)
-    assert not list(tmp_path.iterdir())
+def test_wrong_options_are_refused_in_a_line(branches: Path, here: Path, arguments: tuple[str, ...], said: str) -> None:
+    assert_refused(run("confirm", branches, *arguments, "--out", "c.nc"), said, lines=1)
+    assert not list(here.iterdir())
 
 
-def test_files_that_cannot_be_confirmed_are_refused_in_a_line(branches: Path, tmp_path: Path) -> None:
+def test_files_that_cannot_be_confirmed_are_refused_in_a_line(branches: Path) -> None:
     found = read_branches(branches)
-    write_netcdf(found.drop_vars("bifurcation_arcs"), tmp_path / "older.nc")
-    write_netcdf(found.assign_attrs(errors=0), tmp_path / "without.nc")
-    write_netcdf(found.isel(bifurcation=slice(0, 0)), tmp_path / "none.nc")
-    (tmp_path / "text.nc").write_text("no NetCDF")
-    reasons = {
-        "older.nc": "hold no motions at their bifurcations",
-        "without.nc": "state no errors of their bifurcations",
-        "none.nc": "there is nothing to confirm",
-        "text.nc": "cannot be read",
-        "missing.nc": "missing.nc",
-    }
-    for name, reason in reasons.items():
-        assert_refused(run("confirm", tmp_path / name, *ELEMENTS, "--out", tmp_path / "c.nc"), reason, lines=1)
+    write_netcdf(found.drop_vars("bifurcation_arcs"), "older.nc")
+    write_netcdf(found.assign_attrs(errors=0), "without.nc")
+    write_netcdf(found.isel(bifurcation=slice(0, 0)), "none.nc")
+    Path("text.nc").write_text("no NetCDF")
+    for name, reason in (
+        ("older.nc", "hold no motions at their bifurcations"),
+        ("without.nc", "state no errors of their bifurcations"),
+        ("none.nc", "there is nothing to confirm"),
+        ("text.nc", "cannot be read"),
+        ("missing.nc", "missing.nc"),
+    ):
+        assert_refused(run("confirm", name, *ELEMENTS, "--out", "c.nc"), reason, lines=1)
 
 
-def test_another_confirmation_in_the_file_is_not_thrown_away(branches: Path, tmp_path: Path) -> None:
-    command = ("confirm", branches, *ELEMENTS, "--share", "0.3", "--out", tmp_path / "c.nc")
+def test_another_confirmation_in_the_file_is_not_thrown_away(branches: Path) -> None:
+    command = ("confirm", branches, *ELEMENTS, "--share", "0.3", "--out", "c.nc")
     run_well(*command)
     assert_refused(run(*command, "--seed", "1"), "is the result of another confirmation")

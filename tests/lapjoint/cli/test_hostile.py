@@ -7,13 +7,14 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import click
 import pytest
 from click.testing import CliRunner
 
 from lapjoint import paper_joint, sdnl104
 from lapjoint.cli.arguments import problem_from
 from lapjoint.cli.main import main
-from lapjoint.errors import InputError
+from lapjoint.errors import InputError, SolverError
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import to_toml
 
@@ -34,47 +35,16 @@ VALUES = [
     *("9" * 5000, "[" * 300 + "]" * 300, '"\\u0000"', '"\\u001b[2J"', "1979-05-27", "07:32:00", "[1, 2, 3]", "[[]]"),
     *("{x = 1}", "[{x = 1}]", "0x7fffffffffffffffffff", "1_0", "'", '"""', "\x00", "\udcff", "é", "=", "-0.0", "1e400"),
 ]
-PATHS = [
-    *["title", "beam", "beam.length", "beam.section", "beam.section.height", "beam.section.shape", "beam.material"],
-    *["beam.material.density", "beam.material.youngs_modulus", "beam.bending_stiffness", "supports", "supports.0.x"],
-    *[
-        "supports.0.translational",
-        "supports.*.torsional",
-        "stops",
-        "stops.0",
-        "stops.P2.gap",
-        "stops.*.stiffness",
-        "stops.*.x",
-    ],
-    *[
-        "stops.*.name",
-        "stops[1].side",
-        "stops.99.gap",
-        "damping",
-        "damping.kind",
-        "damping.ratio",
-        "base_motion",
-        "base_motion.kind",
-    ],
-    *["base_motion.harmonics", "base_motion.harmonics.0.multiple", "point_loads", "point_loads.0.harmonics[1].phase"],
-    *["base_motion.amplitude", "base_motion.angular_frequency", "base_motion.phase", "initial", "initial.kind"],
-    *[
-        "initial.displacement",
-        ".",
-        "..",
-        "*",
-        "stops.-1.gap",
-        "é.ü",
-        "beam.length.x",
-        "beam.section.*",
-        "title.0",
-        "[",
-        "]",
-        "stops[",
-        "\x1b[2J",
-    ],
-    *("", "a." * 500 + "b", "stops." + "9" * 5000),
-]
+FIELDS = """
+    title beam beam.length beam.section beam.section.height beam.section.shape beam.material beam.material.density
+    beam.material.youngs_modulus beam.bending_stiffness supports supports.0.x supports.0.translational
+    supports.*.torsional stops stops.0 stops.P2.gap stops.*.stiffness stops.*.x stops.*.name stops[1].side stops.99.gap
+    damping damping.kind damping.ratio base_motion base_motion.kind base_motion.harmonics
+    base_motion.harmonics.0.multiple point_loads point_loads.0.harmonics[1].phase base_motion.amplitude
+    base_motion.angular_frequency base_motion.phase initial initial.kind initial.displacement
+    . .. * stops.-1.gap é.ü beam.length.x beam.section.* title.0 [ ] stops[ \x1b[2J
+"""
+PATHS = [*FIELDS.split(), "", "a." * 500 + "b", "stops." + "9" * 5000]
 
 
 def mutated_file(rng: random.Random) -> bytes:
@@ -140,100 +110,16 @@ def assign_at_random(number: int, seed: int) -> int:
     return sum(taken(lambda: problem_from("preset:paper", (assignment(rng),))) for _ in range(number))
 
 
-ANSWERS = ("modes", "simulate", "steady_state")
-COMMANDS = ["modes", "simulate", "steady", "sweep", "plot", "export", "show", "init", "schema", "validate", "nothing"]
-OPTIONS = [
-    "--solver",
-    "--modes",
-    "--elements",
-    "--option",
-    "--state",
-    "--json",
-    "--figure",
-    "--duration",
-    "--draw",
-    "--contacts",
-    "--from",
-    "--to",
-    "--step",
-    "--over",
-    "--out",
-    "--start",
-    "--starts",
-    "--seed",
-    "--workers",
-    "-o",
-    "--wide",
-    "--steady",
-    "--beside",
-    "--state",
-    "--format",
-    "--frames",
-    "--times",
-    "--points",
-    "--size",
-    "--scale",
-    "--at",
-    "--pace",
-    "--colour",
-    "--force",
-    "--large",
-    "--case",
-    "--peers",
-    "--list",
-    "--quick",
-    "--help",
-    "--set",
-]
-ARGUMENTS = [
-    *[
-        "preset:paper",
-        "preset:",
-        "preset:x",
-        "problem.toml",
-        "loop",
-        "folder",
-        "missing/x.nc",
-        "/dev/full",
-        "-",
-        "a.nc",
-        "a.png",
-        "a.csv",
-        "a.json",
-    ],
-    *[
-        "a.pdf",
-        "loop.nc",
-        "0",
-        "-1",
-        "3",
-        "1e400",
-        "nan",
-        "inf",
-        "all",
-        "P2+P4",
-        "fe",
-        "analytic",
-        "opensees",
-        "fe:elements=2",
-        "n_modes=3",
-        "n_modes=[1]",
-    ],
-    *[
-        "tolerance=x",
-        "damping.ratio=1:2:2",
-        "stops.*.gap=1,2",
-        "=",
-        "1x1",
-        "900x400",
-        "0,1",
-        "free",
-        "motion",
-        "phase",
-        "=",
-    ],
-    *("", "9" * 5000, "x" * 300, "\x1b[2J", "\udcff", "a\0b"),
-]
+MAIN = click.Context(main)
+COMMANDS = [*main.list_commands(MAIN), "nothing"]
+PARAMETERS = [one for name in COMMANDS[:-1] for one in getattr(main.get_command(MAIN, name), "params", ())]
+OPTIONS = ["--help", *sorted({text for one in PARAMETERS if isinstance(one, click.Option) for text in one.opts})]
+WORDS = """
+    preset:paper preset: preset:x problem.toml loop folder missing/x.nc /dev/full - a.nc a.png a.csv a.json a.pdf
+    loop.nc 0 -1 3 1e400 nan inf all P2+P4 fe analytic opensees fe:elements=2 n_modes=3 n_modes=[1] tolerance=x
+    damping.ratio=1:2:2 stops.*.gap=1,2 = 1x1 900x400 0,1 free motion phase = z(2.5),v(2.5) x=1 1:2,0:1 \x1b[2J
+"""
+ARGUMENTS = [*WORDS.split(), "", "9" * 5000, "x" * 300, "\udcff", "a\0b"]
 
 
 def command_line(rng: random.Random) -> list[str]:
@@ -246,14 +132,14 @@ def command_line(rng: random.Random) -> list[str]:
 
 def run_command_lines(number: int, seed: int, folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Run so many command lines up to the point where something would be computed; returns their exit statuses."""
-    monkeypatch.chdir(folder)
     for name in ("loop", "loop.nc"):
         (folder / name).symlink_to(name)
     (folder / "folder").mkdir()
     (folder / "a.nc").write_bytes(b"\x89HDF\r\n\x1a\n fingerprint checksum")
     (folder / "problem.toml").write_text(to_toml(sdnl104()))
-    solvers = [f"{it}.Solver.{answer}" for it in ("analytic", "fe_lapjoint") for answer in ANSWERS]
-    for each in (*solvers, "validation.suite.main"):
+    answers = ("modes", "simulate", "stream", "steady_state", "period_map")
+    solvers = [f"{it}.Solver.{answer}" for it in ("analytic", "fe_lapjoint") for answer in answers]
+    for each in (*solvers, "validation.suite.main", "validation.faults.run.main"):
         monkeypatch.setattr(each, nothing_computed)
     statuses = []
     for i in range(number):
@@ -268,8 +154,6 @@ def run_command_lines(number: int, seed: int, folder: Path, monkeypatch: pytest.
 
 def nothing_computed(*_: object, **__: object) -> None:
     """In the place of what takes long: the solver gives up."""
-    from lapjoint.errors import SolverError
-
     raise SolverError("nothing is computed here")
 
 

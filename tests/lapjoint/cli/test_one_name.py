@@ -8,6 +8,7 @@ import click
 import pytest
 
 import lapjoint
+from lapjoint.campaigns.running import run_job
 from lapjoint.cli.main import main
 
 CONTEXT = click.Context(main)
@@ -35,8 +36,9 @@ def test_every_option_has_a_help_text(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["branch", "sweep", "basins", "statistics"])
 def test_options_have_the_defaults_of_the_function_of_their_name(name: str) -> None:
-    given = inspect.signature(getattr(lapjoint, name)).parameters
-    numbers = {option: it.default for option, it in given.items() if isinstance(it.default, int | float)}
+    functions = run_job, getattr(lapjoint, name)  # the arguments that all campaigns share, and the campaign's own
+    given = [it for function in functions for it in inspect.signature(function).parameters.values()]
+    numbers = {it.name: it.default for it in given if isinstance(it.default, int | float)}
     stated = {
         str(option.name): option.default
         for option in options(name).values()

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import assert_refused, run, run_well
+from command_line import run_well
 
 from lapjoint import figures
 from lapjoint.cli.options import DRAWINGS
@@ -25,42 +25,22 @@ STEADY = ("steady", "preset:paper", "--modes", "3", "--no-errors")
         ("spectrum", "x=2", 2.0),
     ],
 )
-def test_a_figure_is_drawn_at_the_places_asked_for(
-    draw: str, at: str, x: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_figure_is_drawn_at_the_places_asked_for(draw: str, at: str, x: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     function, seen = DRAWINGS[draw].function, []
     drawn = getattr(figures, function)
     monkeypatch.setattr(figures, function, lambda history, **places: seen.append(places) or drawn(history, **places))
-    run_well(*SIMULATE, "--figure", tmp_path / "figure.png", "--draw", draw, "--at", at)
+    run_well(*SIMULATE, "--figure", "figure.png", "--draw", draw, "--at", at)
     assert seen == [{"x": x}]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (("--at", "x=1"), "--at: there is neither a series nor a figure that shows places; leave it out"),
-        (("--at", "x=1", "--figure", "f.png", "--draw", "states"), "--at: there is neither a series nor a figure"),
-        (
-            ("--at", "x=1,2", "--figure", "f.png", "--draw", "phase"),
-            "--at x=1,2: figure phase shows one place; give one",
-        ),
-        (("--at", "x=9", "--figure", "f.png"), "x = 9: lies outside the beam"),
-        (("--at", "2", "--figure", "f.png"), "--at 2: must be x= and numbers"),
-    ],
-)
-def test_places_that_nothing_shows_are_refused(options: tuple[str, ...], message: str) -> None:
-    assert_refused(run(*SIMULATE, *options), message)
-
-
-def test_steady_prints_peaks_at_the_places_asked_for(tmp_path: Path) -> None:
-    out = tmp_path / "steady.json"
-    lines = run_well(*STEADY, "--at", "x=0.7", "--json", out).splitlines()
+def test_steady_prints_peaks_at_the_places_asked_for() -> None:
+    lines = run_well(*STEADY, "--at", "x=0.7", "--json", "steady.json").splitlines()
     (row,) = (line for line in lines if line.startswith("moment [N m]"))
     assert "0.7 m" in row
     assert any(line.startswith("stress [Pa]") for line in lines)
     start = next(i for i, line in enumerate(lines) if line.startswith("Largest magnitude"))
     assert max(map(len, lines[start:])) <= 80
-    summary = json.loads(out.read_text())["summary"]
+    summary = json.loads(Path("steady.json").read_text())["summary"]
     assert summary["moment_peak"]["x_m"][0] == 0.7
     assert list(summary["force_peak"]["values"]) == ["P2", "P3", "P4", "P5"]
     assert summary["force_peak"]["errors"] is None

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from beams import with_stops
 
 from lapjoint import FREE, History, Outcome
 from lapjoint.answers import SectionPoint
@@ -13,12 +16,7 @@ from lapjoint.cli.printing import NAME_SHOWN, print_history, print_steady_state
 
 @pytest.mark.parametrize("name", ["a", "ten letters", "Upper elastomer buffer of the left bracket", "two\nlines"])
 def test_names_and_numbers_stand_apart(history: History, capsys: pytest.CaptureFixture[str], name: str) -> None:
-    stops = tuple(
-        stop.model_copy(update={"name": text}) for stop, text in zip(history.problem.stops, (name, "b"), strict=True)
-    )
-    print_history(
-        History(**{**vars(history), "problem": history.problem.replace(stops=stops)})  # type: ignore[arg-type]
-    )
+    print_history(replace(history, problem=with_stops(history.problem, {"name": name}, {"name": "b"})))
     lines = capsys.readouterr().out.splitlines()
     head, first, second = lines[3:6]
     assert head.index("peak [N]") + len("peak [N]") == len(first) == len(second)  # no errors were estimated

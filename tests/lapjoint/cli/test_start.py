@@ -57,11 +57,6 @@ def messages(said: str) -> list[str]:
     return [line for line in said.splitlines() if line and not line.startswith(progress)]
 
 
-def environment(cache: Path) -> dict[str, str]:
-    """An environment in which everything is compiled anew."""
-    return {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
-
-
 @pytest.mark.parametrize(
     "way", [pytest.param(it, marks=pytest.mark.thorough if it == "a destructor" else ()) for it in WAYS]
 )
@@ -78,13 +73,13 @@ def listening() -> None:
 
 
 def interrupted_after(seconds: float, cache: Path) -> tuple[int, list[str]]:
-    """The exit status and the messages of a command that gets Ctrl-C after some time."""
+    """The exit status and the messages of a command that compiles anew and gets Ctrl-C after some time."""
     command = subprocess.Popen(
         [*START, *SIMULATE],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        env=environment(cache),
+        env={**os.environ, "NUMBA_CACHE_DIR": str(cache)},
         preexec_fn=listening,
     )
     time.sleep(seconds)
@@ -134,19 +129,17 @@ for name, command in {writers}:
 """
 
 
-def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(tmp_path: Path, compiled: None) -> None:
+def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(here: Path, compiled: None) -> None:
     """One process writes them all, each in a folder of its own: a process for each would start five times."""
     for name, _ in WRITERS:
-        (tmp_path / name).write_text("before")
+        (here / name).write_text("before")
     command = [sys.executable, "-c", ONE_AFTER_THE_OTHER.format(writers=WRITERS)]
-    done = subprocess.run(
-        command, cwd=tmp_path, capture_output=True, text=True, timeout=100, preexec_fn=lambda: limited(10)
-    )
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100, preexec_fn=lambda: limited(10))
     said = iter(messages(done.stderr))
     for name, _ in WRITERS:
         assert "cannot be written" in next(said), done.stderr
         assert next(said) == f"3 {name}", done.stderr
-        assert (tmp_path / f"{name} alone" / name).read_text() == "before"
+        assert (here / f"{name} alone" / name).read_text() == "before"
     assert not list(said)
 
 

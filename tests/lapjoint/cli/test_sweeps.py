@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
 
 import click
 import numpy as np
@@ -17,6 +16,7 @@ from analytic import Solver
 from lapjoint import SteadyState, paper_joint
 from lapjoint.campaigns.pace import Pace
 from lapjoint.campaigns.point import Point
+from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.cli.progress import lines_of_progress, lines_of_search, lines_with_time_left, tell_of_delays
 from lapjoint.errors import SolverError
 from lapjoint.files.plain_text import duration_text
@@ -25,10 +25,7 @@ from lapjoint.solver import Progress
 SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
 
 
-def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.campaigns.sweep.table import read_curve
-
-    monkeypatch.chdir(tmp_path)
+def test_sweep_writes_a_dataset_and_plot_draws_it() -> None:
     printed = run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2")
     assert printed.splitlines()[0] == "Wrote curve.nc"
     assert printed.splitlines()[1].startswith("6 points: ")
@@ -44,19 +41,15 @@ def test_sweep_writes_a_dataset_and_plot_draws_it(tmp_path: Path, monkeypatch: p
     run_well(*SWEEP, "--force")
 
 
-def test_a_sweep_needs_no_frequencies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from lapjoint.campaigns.sweep.table import read_curve
-
-    monkeypatch.chdir(tmp_path)
+def test_a_sweep_needs_no_frequencies() -> None:
     run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--modes", "4", "--out", "curve.nc")
     assert read_curve("curve.nc").damping_ratio.values.tolist() == [0.1, 0.08]
 
 
-def test_a_sweep_with_points_that_failed_ends_with_status_1(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_with_points_that_failed_ends_with_status_1(monkeypatch: pytest.MonkeyPatch) -> None:
     def gives_up(*_: object, **__: object) -> None:
         raise SolverError("stopped at t = 0.1 s")
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Solver, "steady_state", gives_up)
     result = run(*SWEEP)
     assert result.exit_code == 1
@@ -64,7 +57,7 @@ def test_a_sweep_with_points_that_failed_ends_with_status_1(tmp_path: Path, monk
 
 
 @pytest.mark.parametrize("done", [0, 2])
-def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, monkeypatch: pytest.MonkeyPatch) -> None:
     found, asked = Solver(n_modes=4).steady_state(paper_joint()), 0
 
     def interrupted(*_: object, **__: object) -> SteadyState:
@@ -74,7 +67,6 @@ def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeyp
             raise KeyboardInterrupt
         return found
 
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
     monkeypatch.setattr(Solver, "steady_state", interrupted)
     result = run(*SWEEP)
@@ -83,60 +75,79 @@ def test_ctrl_c_in_a_sweep_says_how_to_resume(done: int, tmp_path: Path, monkeyp
     assert result.stderr.splitlines()[-1] == f"lapjoint: interrupted: {kept if done else 'none of 3 points was done'}"
 
 
-def lines_printed(lines: Callable[..., Progress], title: str, steps: Iterable[tuple[float, float, float]]) -> list[str]:
-    """What is printed of some work: how much is done, of how much, and the time until it goes on, s, step by step."""
+PROGRESS: dict[str, tuple[Callable[..., Progress], list[tuple[float, float, float]], list[str]]] = {
+    "a sweep that goes on says how much time is left": (
+        lines_with_time_left,
+        [(done, 5000, 600.0) for done in (2000, 2500, 4000, 4010, 5000)],
+        [
+            "goes on from 2000 of 5000",
+            "50 %, 2500 of 5000, 50 min left",
+            "80 %, 4000 of 5000, 10 min left",
+            "100 %, 5000 of 5000",
+        ],
+    ),
+    "slow points: a line after a few, then ever more rarely, until a twentieth is done": (
+        lines_with_time_left,
+        [(done, 5000, 10.75) for done in (0, 1, 2, 3, 4, 5, 6, 8, 250, 251, 5000)],
+        ["0.06 %, 3 of 5000", "0.12 %, 6 of 5000", "5 %, 250 of 5000", "100 %, 5000 of 5000"],
+    ),
+    "one piece of work that takes long says early what is left": (
+        lines_with_time_left,
+        [(done, 1, 10.75) for done in (0.0, 0.005, 0.02, 0.03, 0.06, 1.0)],
+        ["2 %, 18 min left", "5 %, 11 min left", "100 %"],
+    ),
+    "few pieces of work do so, too": (
+        lines_with_time_left,
+        [(done, 4, 10.75) for done in (0.0, 0.1, 0.5, 1.0, 4.0)],
+        ["2.5 %, 0 of 4, 7 min left", "10 %, 0 of 4", "25 %, 1 of 4", "100 %, 4 of 4"],
+    ),
+    "a search says what is known so far and no time that is left": (
+        lines_of_search,
+        # Fifty starts are done in ten seconds; each branch that they lead to takes minutes, and leads to more.
+        [(3, 51, 8.0), (50, 51, 4.0), (50, 55, 2.0), (51, 60, 200.0), (52, 60, 50.0), (60, 60, 0.0)],
+        [
+            "goes on from 3 of 51 known so far",
+            "50 of 55 known so far, after 12 s",
+            "52 of 60 known so far, after 4 min",
+            "60 of 60 known so far, after 4 min",
+        ],
+    ),
+    "a search for a steady state says how many periods it has marched, at least every minute": (
+        partial(lines_of_search, known_as="periods allowed"),
+        [(0, 1, 24.0), (8, 16000, 2.0), (9, 16000, 600.0), *((done, 16000, 61.0) for done in range(33, 38))],
+        ["8 of 16000 periods allowed, after 24 s", *(f"{done} of 16000 periods allowed" for done in range(33, 38))],
+    ),
+    "progress off a terminal is a line for every tenth": (
+        lambda title, clock: lines_of_progress(title),
+        [(done, 1000, 0.0) for done in range(1001)],
+        [f"{percent} %" for percent in range(10, 101, 10)],
+    ),
+}
+
+
+@pytest.mark.parametrize("what", PROGRESS)
+def test_lines_of_progress(what: str) -> None:
+    """Steps are how much is done, of how much, and the time until the work goes on, s; lines begin as expected."""
+    lines, steps, expected = PROGRESS[what]
     now = 0.0
 
     @click.command()
     def work() -> None:
         nonlocal now
-        progress = lines(title, clock=lambda: now)
+        progress = lines("work", clock=lambda: now)
         for done, total, later in steps:
             progress(done, total)
             now += later
 
-    return CliRunner().invoke(work).stderr.splitlines()
+    found = CliRunner().invoke(work).stderr.splitlines()
+    assert len(found) == len(expected), found
+    for line, beginning in zip(found, expected, strict=True):
+        assert line.startswith(f"work: {beginning}")
+    assert not found[-1].endswith("left")
 
 
-def test_progress_of_a_sweep_says_how_much_time_is_left() -> None:
-    steps = [(done, 5000, 600.0) for done in (2000, 2500, 4000, 4010, 5000)]
-    assert lines_printed(lines_with_time_left, "sweep", steps) == [
-        "sweep: goes on from 2000 of 5000",
-        "sweep: 50 %, 2500 of 5000, 50 min left",
-        "sweep: 80 %, 4000 of 5000, 10 min left",
-        "sweep: 100 %, 5000 of 5000",
-    ]
+def test_durations_are_told_in_seconds_minutes_or_hours() -> None:
     assert [duration_text(seconds) for seconds in (40.4, 700.0, 12000.0)] == ["40 s", "12 min", "3 h 20 min"]
-
-
-@pytest.mark.parametrize(
-    ("total", "done", "lines"),
-    [
-        (  # slow points: a line after a few, then ever more rarely, until a twentieth is done
-            5000,
-            (0, 1, 2, 3, 4, 5, 6, 8, 250, 251, 5000),
-            ["0.06 %, 3 of 5000", "0.12 %, 6 of 5000", "5 %, 250 of 5000", "100 %, 5000 of 5000"],
-        ),
-        (1, (0.0, 0.005, 0.02, 0.03, 0.06, 1.0), ["2 %, 18 min left", "5 %, 11 min left", "100 %"]),
-        (4, (0.0, 0.1, 0.5, 1.0, 4.0), ["2.5 %, 0 of 4, 7 min left", "10 %, 0 of 4", "25 %, 1 of 4", "100 %, 4 of 4"]),
-    ],
-)
-def test_what_takes_long_says_early_what_is_left(total: float, done: tuple[float, ...], lines: list[str]) -> None:
-    found = lines_printed(lines_with_time_left, "work", [(so_far, total, 10.75) for so_far in done])
-    assert len(found) == len(lines), found
-    for line, expected in zip(found, lines, strict=True):
-        assert line.startswith(f"work: {expected}")
-
-
-def test_a_search_says_what_is_known_so_far_and_no_time_that_is_left() -> None:
-    # Fifty starts are done in ten seconds; each of the branches that they lead to takes minutes, and leads to more.
-    steps = [(3, 51, 8.0), (50, 51, 4.0), (50, 55, 2.0), (51, 60, 200.0), (52, 60, 50.0), (60, 60, 0.0)]
-    assert lines_printed(lines_of_search, "branch", steps) == [
-        "branch: goes on from 3 of 51 known so far",
-        "branch: 50 of 55 known so far, after 12 s",
-        "branch: 52 of 60 known so far, after 4 min",
-        "branch: 60 of 60 known so far, after 4 min",
-    ]
 
 
 @pytest.fixture
@@ -177,23 +188,3 @@ def test_a_sweep_whose_first_points_do_not_repeat_says_what_it_will_take() -> No
     assert said(1, 0, 1, 0, 1, 0, 1, 0) == []
     assert said(0, 0, 0, 0, 0, 0, each=0.01) == []
     assert len(said(*[1] * 7, *[0] * 20)) == 1
-
-
-def test_progress_off_a_terminal_is_a_line_for_every_tenth() -> None:
-    @click.command()
-    def work() -> None:
-        progress = lines_of_progress("work")
-        for i in range(1001):
-            progress(i, 1000)
-
-    lines = CliRunner().invoke(work).stderr.splitlines()
-    assert lines == [f"work: {percent} %" for percent in range(10, 101, 10)]
-
-
-def test_a_search_for_a_steady_state_says_how_many_periods_it_has_marched() -> None:
-    steps = [(0, 1, 24.0), (8, 16000, 2.0), (9, 16000, 600.0), (33, 16000, 0.0)]
-    lines = partial(lines_of_search, known_as="periods allowed")
-    assert lines_printed(lines, "steady state", steps) == [
-        "steady state: 8 of 16000 periods allowed, after 24 s",
-        "steady state: 33 of 16000 periods allowed, after 10 min",
-    ]

@@ -5,18 +5,17 @@ from __future__ import annotations
 import gc
 import logging
 
-import numba.core.caching
 import pytest
 
 from lapjoint.cli.progress import tell_of_delays
-from lapjoint.compiled import compiling
-from lapjoint.compiled.compiling import LOGGER, MESSAGE, njit_called, njit_inner
+from lapjoint.compiled.compiling import LOGGER, MESSAGE, Listener, njit_called, njit_inner
 
 
 def test_where_no_folder_may_be_written_to_functions_are_compiled_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    for kind in vars(numba.core.caching).values():
-        if hasattr(kind, "_locator_classes"):
-            monkeypatch.setattr(kind, "_locator_classes", [])
+    def refuse(**_: object) -> None:
+        raise OSError("Read-only file system")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)  # by which numba tries whether it may write
 
     @njit_inner()
     def half(x: float) -> float:
@@ -29,11 +28,17 @@ def test_where_no_folder_may_be_written_to_functions_are_compiled_all_the_same(m
     assert quarter(3.0) == 0.75
 
 
+def compiled(listener: Listener, times: int = 1) -> None:
+    """Tell a listener that numba compiles, so many times one after the other."""
+    for _ in range(times):
+        listener.on_start(None)
+        listener.on_end(None)
+
+
 def test_while_numba_compiles_garbage_is_looked_for_rarely_and_as_before_when_it_is_done() -> None:
-    before, listener = gc.get_threshold(), compiling._Listener()
+    before, listener = gc.get_threshold(), Listener()
     listener.on_start(None)
-    listener.on_start(None)
-    listener.on_end(None)
+    compiled(listener)
     assert gc.get_threshold()[0] > before[0]
     listener.on_end(None)
     assert gc.get_threshold() == before
@@ -44,10 +49,7 @@ def test_the_command_line_says_once_on_standard_error_that_it_compiles(capsys: p
     try:
         tell_of_delays()
         tell_of_delays()
-        listener = compiling._Listener()
-        for _ in range(2):
-            listener.on_start(None)
-            listener.on_end(None)
+        compiled(Listener(), 2)
         assert capsys.readouterr() == ("", f"lapjoint: {MESSAGE}\n")
     finally:
         LOGGER.handlers.clear()
@@ -55,11 +57,8 @@ def test_the_command_line_says_once_on_standard_error_that_it_compiles(capsys: p
 
 
 def test_python_is_told_nothing_unless_it_asks(caplog: pytest.LogCaptureFixture) -> None:
-    compiling._Listener().on_start(None)
-    compiling._Listener().on_end(None)
+    compiled(Listener())
     assert not caplog.records
-    with caplog.at_level(logging.INFO, "lapjoint.compiled.compiling"):
-        listener = compiling._Listener()
-        listener.on_start(None)
-        listener.on_end(None)
+    with caplog.at_level(logging.INFO, LOGGER.name):
+        compiled(Listener())
     assert caplog.messages == [MESSAGE]

@@ -9,10 +9,8 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
-from llvmlite.binding import Linkage
 from numba import njit
-from numba.core import codegen, config
-from numba.core.caching import NullCache
+from numba.core import codegen, config, event
 
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.compiled.machine_code import KNOWN, Sparing, spare_llvm
@@ -65,64 +63,66 @@ def test_functions_that_only_compiled_ones_call_work_from_a_file_too(tmp_path: P
     assert said == [["2.0 0 False", *errors], ["4.0 0 False", *errors], ["4.0 1 False", *errors]]
 
 
-@njit_inner()
-def _half(x: float) -> float:
-    return x / 2
+@pytest.fixture
+def nothing_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a test compiles is in no file yet."""
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path))
 
 
-@njit_inner(inline="never")
-def _all_halves(x: np.ndarray) -> float:
-    total = 0.0
-    for i in range(x.size):
-        total += x[i] / 2
-    return total
-
-
-@njit_called()
-def _sum_of_halves(x: np.ndarray) -> float:
-    total = 0.0
-    for i in range(x.size):
-        total += _half(x[i])
-    return total
-
-
+@pytest.mark.usefixtures("nothing_kept")
 def test_a_function_has_its_own_copies_of_what_it_calls() -> None:
     """Else the one that is loaded first gives its copies to the others, which may be compiled otherwise."""
 
+    @njit_inner(inline="never")
+    def all_halves(x: np.ndarray) -> float:
+        total = 0.0
+        for i in range(x.size):
+            total += x[i] / 2
+        return total
+
     @njit_called(vectorised=True)
     def called(x: np.ndarray) -> float:
-        return _all_halves(x) + x[0]
+        return all_halves(x) + x[0]
 
-    called._cache = NullCache()
     assert called(np.ones(3)) == 2.5
-    (compiled,) = called.overloads.values()
-    shared = [it.name for it in compiled.library._final_module.functions if it.linkage == Linkage.linkonce_odr]
-    assert not shared
+    (compiled,) = called.overloads.values()  # type: ignore[attr-defined]
+    assert "define" in compiled.library.get_llvm_str()
+    assert "linkonce_odr" not in compiled.library.get_llvm_str()
 
 
-def test_only_what_python_calls_becomes_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[str] = []
-    add = codegen.JITCPUCodegen._add_module
-    monkeypatch.setattr(
-        codegen.JITCPUCodegen, "_add_module", lambda self, module: (made.append(module.name), add(self, module))[1]
-    )
-    seen: list[tuple[bool, int]] = []
-    optimise = codegen.JITCodeLibrary._optimize_final_module
-    monkeypatch.setattr(
-        codegen.JITCodeLibrary,
-        "_optimize_final_module",
-        lambda self: (seen.append((Sparing.on, config.LOOP_VECTORIZE)), optimise(self))[1],
-    )
-    vectorised = config.LOOP_VECTORIZE
-    fresh, inner = njit_called()(_sum_of_halves.py_func), _half  # type: ignore[attr-defined]
-    fresh._cache, inner._cache = type(fresh)(fresh.py_func)._cache, type(fresh)(fresh.py_func)._cache
-    assert fresh(np.arange(4.0)) == 3.0
-    assert (len(made) == 1) == numba.__version__.startswith(KNOWN)
-    assert set(seen) == {(True, 0)}
-    seen.clear()
-    assert njit(lambda x: x + 1)(1) == 2  # of another project
-    assert seen == [(False, vectorised)]
-    assert (Sparing.on, config.LOOP_VECTORIZE) == (False, vectorised)
+class Seen(event.Listener):  # type: ignore[misc]
+    """Whether LLVM is spared, and whether loops are vectorised, whenever numba works with LLVM."""
+
+    def __init__(self) -> None:
+        self.ways = set[tuple[bool, int]]()
+
+    def on_start(self, event: object) -> None:
+        self.ways.add((Sparing.on, config.LOOP_VECTORIZE))
+
+    def on_end(self, event: object) -> None:
+        pass
+
+
+@pytest.mark.usefixtures("nothing_kept")
+def test_only_what_python_calls_becomes_machine_code() -> None:
+    @njit_inner()
+    def half(x: float) -> float:
+        return x / 2
+
+    @njit_called()
+    def quarter(x: float) -> float:
+        return half(half(x))
+
+    ours, theirs, vectorised = Seen(), Seen(), config.LOOP_VECTORIZE
+    with event.install_listener("numba:llvm_lock", ours):
+        assert quarter(3.0) == 0.75
+    (inner,), (called,) = half.overloads.values(), quarter.overloads.values()  # type: ignore[attr-defined]
+    known = numba.__version__.startswith(KNOWN)
+    assert (inner.library.only_for_compiled, called.library.only_for_compiled) == (known, False)
+    assert (True, 0) in ours.ways
+    with event.install_listener("numba:llvm_lock", theirs):
+        assert njit(lambda x: x + 1)(1) == 2  # of another project
+    assert theirs.ways == {(False, vectorised)}
 
 
 @pytest.mark.parametrize("why", ["another release", "built otherwise"])

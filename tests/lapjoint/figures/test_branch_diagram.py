@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from beams import unit_cantilever
 
-from lapjoint import Axis, BaseMotion, Beam, InputError, Problem, Stop, Support, ViscousDamping
+from lapjoint import Axis, InputError, Stop
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.spec import BranchSpec
 from lapjoint.campaigns.branches.table import branch_dataset
@@ -18,6 +19,7 @@ from lapjoint.figures import plot_branches, plot_loci
 VALUES = (1.0, 2.0, 3.0, 2.5, 2.0, 3.0, 4.0)
 IMPULSES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
 STABLE = (True, True, True, False, False, True, True)
+CANTILEVER = unit_cantilever(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0, name="tip"))
 BARE: dict[str, Any] = {"error": 1e-9, "stop": 0, "after": "", "impulses": (), "arcs": None}
 """What a bifurcation has besides its kind, its value and its place."""
 
@@ -25,16 +27,6 @@ BARE: dict[str, Any] = {"error": 1e-9, "stop": 0, "after": "", "impulses": (), "
 def bifurcation(kind: str, value: float, index: int, **more: Any) -> dict[str, Any]:
     """A bifurcation before a point."""
     return BARE | {"kind": kind, "value": value, "index": index, "motion": [value, None, 2]} | more
-
-
-def cantilever() -> Problem:
-    return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0, name="tip"),),
-        damping=ViscousDamping(coefficient=0.8),
-        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=1.0),
-    )
 
 
 def diagram(*folds: tuple[float, int]) -> Diagram:
@@ -50,12 +42,11 @@ def diagram(*folds: tuple[float, int]) -> Diagram:
 
 def dataset_of(*diagrams: Diagram, other: Stop | None = None, also: Axis | None = None) -> xr.Dataset:
     """Diagrams, one for each value of `also`, as a dataset; the joint may have another stop."""
-    joint = cantilever()
-    joint = joint if other is None else joint.replace(stops=(*joint.stops, other))
+    joint = CANTILEVER if other is None else CANTILEVER.replace(stops=(*CANTILEVER.stops, other))
     return branch_dataset(BranchSpec(joint, "base_motion.angular_frequency", 1.0, 4.0, also_over=also), [*diagrams])
 
 
-BELOW = cantilever().stops[0].model_copy(update={"side": "bottom", "name": "below"})
+BELOW = CANTILEVER.stops[0].model_copy(update={"side": "bottom", "name": "below"})
 
 
 @pytest.fixture

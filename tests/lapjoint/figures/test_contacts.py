@@ -83,10 +83,3 @@ def test_a_state_of_no_duration_is_left_out(history: History) -> None:
     states = (FREE, ContactState((0,)), ContactState((1,)), FREE)
     axes = plot_contact_states(replace(history, switch_times=switches, states=states))
     assert [label.get_text() for label in axes.get_yticklabels()] == ["free", "below"]
-
-
-def test_thousands_of_switches_are_one_collection_a_row(history: History) -> None:
-    switches = np.linspace(0.0, 1.0, 10_002)[1:-1]
-    states = tuple(ContactState((0,) if i % 2 else ()) for i in range(10_001))
-    axes = plot_contact_states(replace(history, switch_times=switches, states=states))
-    assert [len(rows.get_paths()) for rows in axes.collections] == [5001, 5000]

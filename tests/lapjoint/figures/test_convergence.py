@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from lapjoint import InputError
 from lapjoint.answers.observed_order import fitted_order
 from lapjoint.figures import plot_convergence
 
 MESHES = (8, 16, 32, 64, 128)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """Something that is not a number."""
-
-    value: float
 
 
 def numbers(order: float, size: float = 0.1) -> dict[int, float]:
@@ -50,8 +41,8 @@ def test_without_a_reference_the_finest_is_the_reference_and_not_drawn() -> None
 
 
 def test_answers_are_reduced_to_a_number() -> None:
-    answers = {n: Answer(value) for n, value in numbers(2).items()}
-    by_object = plot_convergence(answers, quantity=lambda answer: answer.value, reference=2.0).lines[0]
+    answers = {n: [value] for n, value in numbers(2).items()}
+    by_object = plot_convergence(answers, quantity=lambda answer: answer[0], reference=2.0).lines[0]
     by_number = plot_convergence(numbers(2), reference=2.0).lines[0]
     np.testing.assert_array_equal(by_object.get_ydata(), by_number.get_ydata())
 
@@ -70,25 +61,3 @@ def test_an_answer_without_error_is_no_point_of_the_line() -> None:
     line = plot_convergence({8: 1.1, 16: 1.0, 32: 1.01}, reference=1.0, order=1).lines[0]
     assert np.isnan(np.asarray(line.get_ydata())[1])
     assert math.isnan(fitted_order(np.array([8.0]), np.array([0.1])))
-
-
-@pytest.mark.parametrize(
-    ("answers", "wish", "message"),
-    [
-        (
-            {8: Answer(1.0), 16: Answer(2.0)},
-            {"reference": 1.0},
-            "quantity: must say which number to take",
-        ),
-        ({8: 1.0, 16: math.nan}, {"reference": 1.0}, "answers: the number at resolution 16 is nan; it must be finite"),
-        ({8: 1.0, 0: 1.0}, {"reference": 1.0}, "answers: resolution 0 must be positive and finite"),
-        ({8: 1.0, 16: 1.1}, {}, "answers: there are 2; two or more are needed, and one more where reference is None"),
-        ({}, {"reference": 1.0}, "answers: there are 0; two or more are needed"),
-        ({}, {}, "answers: there are 0; two or more are needed"),
-        ({8: 1.0, 16: 1.1}, {"reference": 0.0}, "reference = 0.0: must be finite and not zero"),
-        ({8: 1.0, 16: 1.1, 32: 0.0}, {}, "reference = 0.0: must be finite and not zero"),
-    ],
-)
-def test_what_has_no_convergence_is_named(answers: dict[int, object], wish: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        plot_convergence(answers, **wish)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ import pytest
 
 import analytic
 from lapjoint import FREE, History, SteadyState, paper_joint
-from lapjoint.answers import Modes
+from lapjoint.answers import Equilibrium, Modes
 
 SOLVER = analytic.Solver(n_modes=6)
 
@@ -37,7 +37,7 @@ class Tags(HTMLParser):
         self.text += data + " "
 
 
-def shown(answer: Modes | History | SteadyState) -> tuple[str, str]:
+def shown(answer: Modes | Equilibrium | History | SteadyState) -> tuple[str, str]:
     """The HTML of an answer, and the text in it."""
     page = answer._repr_html_()
     tags = Tags()
@@ -52,6 +52,17 @@ def test_modes() -> None:
     assert f"{modes.angular_frequencies[0]:.6g}" in text
     assert f"{modes.angular_frequencies[0] / 6.283185307179586:.6g}" in text
     assert "... and 2 more" in text
+
+
+def test_equilibrium_with_a_picture() -> None:
+    joint = paper_joint()
+    pressed = joint.replace(stops=[joint.stops[0].model_copy(update={"gap": -1e-3, "name": "a < b"})])
+    found = SOLVER.equilibrium(pressed)
+    page, text = shown(found)
+    assert f"{found.contact_forces[0]:.6g} ±" in text
+    assert "a < b" in text
+    (data,) = re.findall(r"base64,([^\"]+)", page)
+    assert ElementTree.fromstring(base64.b64decode(data)).tag.endswith("svg")
 
 
 def test_motion_with_a_picture() -> None:

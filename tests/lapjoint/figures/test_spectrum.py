@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from written_history import OMEGA, at_rest
 
-from lapjoint import BaseMotion, HarmonicsBaseMotion, History, InputError
+from lapjoint import BaseMotion, HarmonicsBaseMotion, History
 from lapjoint.figures import plot_spectrum
 from lapjoint.figures.spectrum import TOLERANCE, repeating_periods, spectrum
 from lapjoint.figures.style import figure_of
@@ -134,21 +134,6 @@ def test_the_excitation_is_marked_once(history: History) -> None:
     assert [mark.get_xdata()[0] for mark in marks] == [OMEGA]
     colours = {line.get_color() for line in axes.lines if line.get_label() in ("x = 0.5 m", "again, x = 1 m")}
     assert len(colours) == 2
-
-
-@pytest.mark.parametrize(
-    ("changes", "wish", "message"),
-    [
-        ({}, {"harmonics": 0}, "harmonics = 0: must be 1 or more"),
-        ({}, {"x": 2.0}, "x = 2: lies outside the beam"),
-        ({"end": 0.0}, {}, "history: runs from 0 to 0 s; a spectrum needs a duration"),
-    ],
-)
-def test_what_has_no_spectrum_is_named(
-    history: History, changes: dict[str, float], wish: dict[str, float], message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        plot_spectrum(replace(history, **changes), **wish)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("omega", [None, OMEGA])

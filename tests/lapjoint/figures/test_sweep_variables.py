@@ -14,6 +14,7 @@ from lapjoint import InputError
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.figures import in_hertz, plot_curve, plot_curve_wide
+from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.figures.sweep_variables import curves, drawable, ordinate
 from lapjoint.summaries.of_orbit import SUMMARIES
 
@@ -90,3 +91,18 @@ def test_what_is_not_there_is_refused_by_name(curve: xr.Dataset, file: Path) -> 
     assert_refused(run("plot", file, "--variable", "weight"), "variable 'weight': is not in this file")
     picture = file.with_suffix(".svg")
     assert run_well("plot", file, "--hz", "--wide", "--variable", "stress_peak", "-o", picture) == f"Wrote {picture}\n"
+
+
+@pytest.mark.parametrize(
+    ("path", "units", "label"),
+    [
+        ("masses.clevis.rotary_inertia", "kg m2", "rotary inertia (clevis mass) [kg m2]"),
+        ("masses.*.mass", "kg", "mass (all masses) [kg]"),
+        ("supports.0.torsional", "N m rad-1", "torsional (0 support) [N m/rad]"),
+        ("gravity.acceleration", "m s-2", "gravity.acceleration [m/s2]"),
+        ("damping.ratio", "1", "damping.ratio [-]"),
+    ],
+)
+def test_a_swept_field_is_labelled_by_part_and_unit(path: str, units: str, label: str) -> None:
+    dataset = xr.Dataset(coords={path: ("point", [1.0], {"path": path, "units": units})})
+    assert axis_label(dataset, path) == label

@@ -8,16 +8,16 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import xarray as xr
+from beams import with_stops
 from history_figures import OF_HISTORIES, assert_fits
 from matplotlib.cbook import is_math_text
 from matplotlib.text import Text
 from written_history import OMEGA
 
 import analytic
-from lapjoint import FREE, BaseMotion, ContactState, History, Problem, Stop, paper_joint
+from lapjoint import FREE, BaseMotion, ContactState, History, Stop, paper_joint
 from lapjoint.answers import Contact
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.point import Point
@@ -35,7 +35,7 @@ from lapjoint.figures import (
     save,
 )
 from lapjoint.figures.style import COLUMN_WIDTH, PAGE_WIDTH, figure_of
-from lapjoint.figures.text import apart, cut_to, literal, shortened, width_of, wrapped
+from lapjoint.figures.text import apart, cut_to, shortened, width_of, wrapped
 
 NASTY = ("Cost $5 and $7", r"$x_1^{$ & \alpha %", "_first", "two\nlines")
 SIXTY = "Upper elastomer buffer of the left bracket, on frame 12, no. 3"[:60]
@@ -52,10 +52,9 @@ def pairs(plots: Sequence[Callable[..., Any]], texts: Sequence[Any]) -> list[Any
 
 def named(history: History, *names: str, title: str = "") -> History:
     """The history with other names of its two stops."""
-    names = names or history.problem.stop_names
-    stops = [stop.model_copy(update={"name": name}) for stop, name in zip(history.problem.stops, names, strict=True)]
+    problem = with_stops(history.problem, *({"name": name} for name in names))
     base = BaseMotion(amplitude=1e-3, angular_frequency=OMEGA)
-    return replace(history, problem=history.problem.replace(stops=tuple(stops), title=title, base_motion=base))
+    return replace(history, problem=problem.replace(title=title, base_motion=base))
 
 
 def many(history: History, number: int) -> History:
@@ -66,12 +65,9 @@ def many(history: History, number: int) -> History:
 
 
 def swept(*names: str, path: str = FREQUENCY) -> xr.Dataset:
-    joint = paper_joint()
-    stops = tuple(
-        stop.model_copy(update={"name": name}) for stop, name in zip(joint.stops[: len(names)], names, strict=True)
-    )
+    joint = paper_joint().replace(stops=paper_joint().stops[: len(names)])
     axes = (Axis(FREQUENCY, [100.0, 200.0, 300.0]), *([] if path == FREQUENCY else [Axis(path, [1e-3, 2e-3])]))
-    plan = Plan(Grid(joint.replace(stops=stops), axes))
+    plan = Plan(Grid(with_stops(joint, *({"name": name} for name in names)), axes))
     impulses = tuple(float(i) for i in range(len(names)))
     return sweep_dataset(plan, {cell: Point("PERIODIC", 1, impulses=impulses) for cell in range(plan.size)})
 
@@ -125,7 +121,8 @@ def test_long_words_stay_on_the_paper(
     history: History, plot: Callable[..., Any], words_and_width: tuple[str, float]
 ) -> None:
     words, width = words_and_width
-    axes = plot(named(history, words, f"{words[:-1]}b", title=words), new_axes(width, 3.2))
+    motion = replace(named(history, words, f"{words[:-1]}b", title=words), solver=words)
+    axes = plot(motion, new_axes(width, 3.2))
     assert_fits(axes, width, 3.2)
     assert axes.get_position().width > 0.45  # of the figure
 
@@ -196,14 +193,8 @@ def test_lines_end_at_spaces_else_after_signs_else_anywhere() -> None:
 
 
 def test_the_title_of_a_mode_breaks_no_word_of_a_long_name() -> None:
-    problem = Problem(
-        title="Frame",
-        beam=paper_joint().beam,
-        stops=tuple(
-            Stop(name=f"{place} elastomer buffer of the bracket", x=x, side="top", gap=1e-3, stiffness=1e6)
-            for place, x in (("left", 1.0), ("right", 2.0))
-        ),
-    )
+    names = ({"name": f"{place} elastomer buffer of the bracket"} for place in ("left", "right"))
+    problem = with_stops(paper_joint(), *names).replace(title="Frame")
     modes = analytic.Solver().modes(problem, ContactState((0, 1)), 2)
     axes = plot_mode_shapes(problem, modes, new_axes(COLUMN_WIDTH, 3.0))
     title = axes.get_legend().get_title().get_text()
@@ -213,9 +204,3 @@ def test_the_title_of_a_mode_breaks_no_word_of_a_long_name() -> None:
 
 def test_signs_unknown_to_the_font_are_no_warning(history: History, tmp_path: Path) -> None:
     save(plot_motion(named(history, "\u4e0a", "below", title="\u68c1")), tmp_path / "motion.png")
-
-
-def test_literal_text_is_one_line_without_mathematics() -> None:
-    assert not is_math_text(literal("Cost $5 and $7"))
-    assert literal("a\r\n\tb") == "a b"
-    assert np.all([is_math_text(text) for text in ("kg$^{-1/2}$",)])

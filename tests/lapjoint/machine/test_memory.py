@@ -7,10 +7,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 
 import analytic
 import fe_lapjoint
-from lapjoint import BaseMotion, Beam, ModalDamping, Problem, SolverError, Stop, Support
+from lapjoint import Beam, SolverError, Stop
 from lapjoint.machine import memory
 from lapjoint.machine.result_cache import bytes_in, cached
 from lapjoint.problem import FloatArray
@@ -18,12 +19,8 @@ from lapjoint.solver import Solver
 
 MACHINE = 4e9
 """Bytes of a machine of which a motion may take a gigabyte."""
-JOINT = Problem(
-    beam=Beam(length=1.0, bending_stiffness=100.0, mass_per_length=1.0),
-    supports=(Support(x=0.0, translational=float("inf"), torsional=float("inf")),),
-    stops=(Stop(x=1.0, side="top", gap=1e-4, stiffness=1e4),),
-    damping=ModalDamping(ratio=0.05),
-    base_motion=BaseMotion(amplitude=1e-3, angular_frequency=30.0),
+JOINT = unit_cantilever(Stop(x=1.0, side="top", gap=1e-4, stiffness=1e4), omega=30.0).replace(
+    beam=Beam(length=1.0, bending_stiffness=100.0, mass_per_length=1.0)
 )
 
 
@@ -68,7 +65,7 @@ def test_a_motion_that_turns_out_too_large_ends_in_a_sentence(
     monkeypatch.setattr(memory, "SHARE", allowed / MACHINE)
     solver.simulate(JOINT.replace(stops=()), 40.0, errors=False)
     with pytest.raises(SolverError, match=r"take .* of memory; allowed are 0.[57] MB"):
-        solver.simulate(JOINT.replace(base_motion=BaseMotion(amplitude=5e-2, angular_frequency=30.0)), 40.0)
+        solver.simulate(JOINT.with_base_numbers(amplitude=5e-2), 40.0)
 
 
 def test_what_is_kept_is_bounded_in_number_and_in_size() -> None:

@@ -84,10 +84,10 @@ def test_ctrl_c_in_a_terminal_gives_one_traceback_and_leaves_no_process(tmp_path
 def test_all_processes_have_started_when_the_pool_is_given() -> None:
     """Those that started later would meet Ctrl-C before they can ignore it."""
     with process_pool(3) as pool:
-        assert len(pool._processes) == 3
-        before = set(pool._processes)
+        before = multiprocessing.active_children()
+        assert len(before) == 3
         assert list(pool.map(abs, range(12))) == list(range(12))
-        assert set(pool._processes) == before
+        assert set(multiprocessing.active_children()) == set(before)
 
 
 def test_tasks_that_are_cancelled_as_the_pool_ends_raise_nothing_in_its_thread(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,14 +118,15 @@ def test_a_script_whose_workers_end_as_they_start_is_told_why(tmp_path: Path) ->
 
 def test_a_standing_pool_keeps_its_processes_and_starts_others_after_one_dies() -> None:
     with standing_pool(2) as standing:
-        first = set(standing.pool._processes)
         assert list(standing.pool.map(math.sqrt, [4.0, 9.0])) == [2.0, 3.0]
-        assert set(standing.pool._processes) == first
+        first = set(multiprocessing.active_children())
+        assert list(standing.pool.map(math.sqrt, [4.0, 9.0])) == [2.0, 3.0]
+        assert set(multiprocessing.active_children()) == first
         with pytest.raises(BrokenProcessPool):
             standing.pool.submit(os.abort).result()
         standing.end()
-        assert not first & set(standing.pool._processes)
         assert list(standing.pool.map(math.sqrt, [16.0])) == [4.0]
+        assert not first & set(multiprocessing.active_children())
     assert multiprocessing.active_children() == []
 
 
@@ -133,7 +134,7 @@ def test_a_task_that_a_pool_forgets_as_it_breaks_is_not_waited_for() -> None:
     """As happens once in some thousand times, where a process dies while a task is given."""
     forgotten: Future[None] = Future()
     with process_pool(2) as pool:
-        for process in pool._processes.values():
+        for process in multiprocessing.active_children():
             process.kill()
         with pytest.raises(BrokenProcessPool):
             first_finished(pool, [forgotten])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from lapjoint.orbits.approach import CURVED, LINEAR, Forecast, forecast
 from lapjoint.orbits.watch import Deviated, Intervals, Switches
@@ -119,13 +121,12 @@ def test_a_transient_that_grows_before_it_decays_is_seen() -> None:
 def test_a_beat_far_in_the_future_is_seen() -> None:
     """Two multipliers that turn almost alike cancel now, and add up 300 periods later."""
     turns = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in (1.0, 1.0 + np.pi / 300)]
-    matrix = 0.999 * np.block([[turns[0], np.zeros((2, 2))], [np.zeros((2, 2)), turns[1]]])
+    matrix = 0.999 * block_diag(*turns)
     watch = HandMade(np.array([[1.0, 0.0, 1.0, 0.0]]), np.array([1.0]))
     deviation = np.array([0.7, 0.0, -0.7, 0.0])
-    found = ask(watch, matrix, deviation)
     last = last_failure(watch, matrix, deviation, 3000)
     assert last > 200
-    assert_waits(found, last)
+    assert_waits(ask(watch, matrix, deviation), last)
 
 
 @pytest.mark.parametrize("decay", [0.9, 0.99, 0.999, 0.9999])
@@ -165,22 +166,6 @@ def test_what_was_sound_so_far_is_not_bound_while_the_rest_is_unknown() -> None:
     assert not found.bound
 
 
-def test_blocks_that_double_hold_the_columns_of_one_by_one_iteration() -> None:
-    rng = np.random.default_rng(2)
-    matrix = 0.997 * np.linalg.qr(rng.standard_normal((4, 4)))[0]
-    watch = HandMade(np.ones((1, 4)), np.array([0.5]))
-    deviation = rng.standard_normal(4)
-    ask(watch, matrix, deviation)
-    looked = [block for block in watch.seen if block.shape[1] >= 16]
-    together = np.concatenate(looked, axis=1)
-    assert together.shape[1] >= 256
-    e = deviation
-    for k in range(together.shape[1]):
-        # Squares of the matrix round otherwise than its steps do.
-        assert together[:, k] == pytest.approx(e, abs=1e-11)
-        e = matrix @ e
-
-
 def test_an_eigenbasis_that_is_none_settles_nothing_but_what_has_died_away() -> None:
     """A true Jordan block has too few eigenvectors; it is iterated until rounding is left."""
     matrix = np.array([[0.9, 1.0], [0.0, 0.9]])
@@ -193,7 +178,7 @@ def test_an_eigenbasis_that_is_none_settles_nothing_but_what_has_died_away() -> 
     assert not forecast(watch, matrix, vectors, np.array([0.0, 1.0]), 1.0, 128).bound
 
 
-def test_no_deviation_is_bound_at_once() -> None:
+def test_where_there_is_no_deviation_the_march_is_bound() -> None:
     watch = HandMade(np.eye(2), np.zeros(2))
     assert ask(watch, np.diag([0.9, 0.5]), np.zeros(2)).bound
 
@@ -201,48 +186,39 @@ def test_no_deviation_is_bound_at_once() -> None:
 # --- Switches ------------------------------------------------------------------------------------------------------
 
 
-def one_switch(rate: float = 1.0, curvature: float = 0.0, spacing: float = np.inf) -> Switches:
-    return Switches(
-        np.array([0.5]), np.zeros(1, dtype=np.intp), np.array([rate]), np.array([curvature]), np.array([spacing])
-    )
+@pytest.mark.parametrize(
+    ("switch", "most", "given"),
+    [
+        pytest.param({"spacing": 3.0}, 1.0, {}, id="a third of the way to the next switch of its stop"),
+        pytest.param({"rate": 7.0, "spacing": 3.0}, 7.0, {}, id="the same in time at seven times the rate"),
+        pytest.param({"curvature": 1.0}, 1 / 3, {}, id="no farther than its rate holds"),
+        pytest.param({}, 1.0, {"X": 0.0, "rates": 0.5}, id="half of its rate may change"),
+        pytest.param({"rate": 0.0, "curvature": 1.0}, 0.0, {}, id="at grazing there is no room"),
+        pytest.param({}, CURVED, {"X": 0.0, "row": 1.0}, id="less of the distance than without switches"),
+        pytest.param(None, LINEAR, {"row": 1.0}, id="without switches"),
+    ],
+)
+def test_a_switch_leaves_a_deviation_so_much_room(
+    switch: dict[str, float] | None, most: float, given: dict[str, float]
+) -> None:
+    assert bound(0.99 * most, switch, **given)
+    assert not bound(1.01 * most + 1e-9, switch, **given)
 
 
-def bound(size: float, switches: Switches, X: float = 1.0, rates: float = 0.0, **watch: FloatArray) -> bool:
-    """Whether a deviation of one coordinate that halves in each period is bound for an orbit of one switch."""
-    given = {"rows": np.zeros((1, 1)), "distance": np.ones(1)} | watch
-    made = HandMade(switches=switches, X=np.array([[X]]), rates=np.array([[rates]]), **given)  # type: ignore[arg-type]
-    return ask(made, np.array([[0.5]]), np.array([size])).bound
-
-
-def test_a_switch_keeps_away_from_the_next_one_of_its_stop() -> None:
-    assert bound(0.99, one_switch(spacing=3.0))
-    assert not bound(1.01, one_switch(spacing=3.0))
-    assert bound(0.99 * 7, one_switch(rate=7.0, spacing=3.0))  # the shift in time is what counts
-    assert not bound(1.01 * 7, one_switch(rate=7.0, spacing=3.0))
-
-
-def test_a_switch_is_crossed_at_a_rate_that_hardly_changes() -> None:
-    assert bound(0.99 / 3, one_switch(curvature=1.0))
-    assert not bound(1.01 / 3, one_switch(curvature=1.0))
-    assert bound(0.99, one_switch(), X=0.0, rates=0.5)
-    assert not bound(1.01, one_switch(), X=0.0, rates=0.5)
-
-
-def test_a_switch_at_grazing_settles_nothing() -> None:
-    assert not bound(1e-9, one_switch(rate=0.0, curvature=1.0))
-    assert bound(0.0, one_switch(rate=0.0, curvature=1.0))  # no deviation shifts nothing
+def bound(
+    size: float, switch: dict[str, float] | None, X: float = 1.0, rates: float = 0.0, row: float = 0.0, **watch: Any
+) -> bool:
+    """Whether a deviation of one coordinate that halves in each period is bound for an orbit of one switch, or none."""
+    given = {"rows": np.full((1, 1), row), "distance": np.ones(1)} | watch
+    if switch is not None:
+        one = {"rate": 1.0, "curvature": 0.0, "spacing": np.inf} | switch
+        switches = Switches(np.array([0.5]), np.zeros(1, dtype=np.intp), *(np.array([value]) for value in one.values()))
+        given |= {"switches": switches, "X": np.array([[X]]), "rates": np.array([[rates]])}
+    return ask(HandMade(**given), np.array([[0.5]]), np.array([size])).bound
 
 
 def test_near_its_own_switch_a_stop_may_be_touched() -> None:
-    rows, distance = np.ones((1, 1)), np.array([0.1])  # a deviation of 0.1 takes all of it at first, later half
-    for since, expected in ((0.1, True), (0.29, True), (0.31, False)):  # three shifts reach as far as 0.3
-        given = {"rows": rows, "distance": distance, "since": np.array([since])}
-        assert bound(0.1, one_switch(), **given) is expected
-
-
-def test_orbits_with_switches_are_given_less_room() -> None:
-    rows, distance = np.ones((1, 1)), np.ones(1)
-    assert bound(0.99 * CURVED, one_switch(), X=0.0, rows=rows, distance=distance)
-    assert not bound(1.01 * CURVED, one_switch(), X=0.0, rows=rows, distance=distance)
-    assert ask(HandMade(rows, distance), np.array([[0.5]]), np.array([0.99 * LINEAR])).bound
-    assert not ask(HandMade(rows, distance), np.array([[0.5]]), np.array([1.01 * LINEAR])).bound
+    # A deviation of 0.1 takes all of the distance at first, and later half; three shifts reach as far as 0.3.
+    for since, expected in ((0.1, True), (0.29, True), (0.31, False)):
+        given = {"row": 1.0, "distance": np.array([0.1]), "since": np.array([since])}
+        assert bound(0.1, {}, **given) is expected

@@ -19,6 +19,7 @@ from lapjoint.orbits.ensemble import OneByOne, ensemble_of
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import find_orbit
 
+AnySolver = analytic.Solver | fe_lapjoint.Solver
 THERE = 1e-5  # of the size of a motion: a march that has come so near to its orbit, and stays, has reached it
 DECAYS, LONGER = 25.0, 8  # decay times that the witness marches on, and how often again where it is not there yet
 
@@ -34,6 +35,13 @@ def starts_of(period_map: PeriodMap, count: int, energy: float, seed: int = 0) -
     origin = period_map.initial()
     roots = energy_roots(period_map, period_map.problem, origin)
     return [period_map.moved(origin, random_deviation(roots, energy, (seed, i))) for i in range(count)]
+
+
+def bound(period_map: PeriodMap, count: int = 6, energy: float = ENERGY) -> Binder:
+    """The motions in which some random starts end."""
+    binder = Binder(period_map, Effort(max_periods=2000))
+    binder.ends(starts_of(period_map, count, energy))
+    return binder
 
 
 def not_reached(period_map: PeriodMap, start: SectionPoint, periods: int, motion: CertifiedMotion) -> str:
@@ -82,7 +90,7 @@ def test_starts_of_a_bar_are_bound_to_what_they_reach(problem: Problem) -> None:
 
 
 @pytest.mark.parametrize("solver", [analytic.Solver(n_modes=6), fe_lapjoint.Solver(elements=6)], ids=["analytic", "fe"])
-def test_starts_of_a_joint_are_bound_to_what_they_reach(solver: analytic.Solver | fe_lapjoint.Solver) -> None:
+def test_starts_of_a_joint_are_bound_to_what_they_reach(solver: AnySolver) -> None:
     period_map = solver.period_map(joint(2, 10))
     check(period_map, starts_of(period_map, 3, 1e-4), period_map.lowest_damping_rate)
 
@@ -110,10 +118,7 @@ def test_an_ensemble_marches_to_the_bits_of_single_marches() -> None:
 def test_a_start_near_a_motion_that_it_is_not_bound_for_is_not_bound_to_it() -> None:
     """Closeness alone binds nothing: beside the orbit without contact, a stop waits."""
     period_map = Bar().period_map(HYSTERESIS)
-    binder = Binder(period_map, Effort(max_periods=2000))
-    binder.ends(starts_of(period_map, 6, ENERGY))
-    free = next(motion for motion in binder.motions if motion.outcome is Outcome.NO_CONTACT)
-    touching = next(motion for motion in binder.motions if motion.outcome is not Outcome.NO_CONTACT)
+    free, touching = sorted(bound(period_map).motions, key=lambda motion: motion.outcome is not Outcome.NO_CONTACT)
     known = Binder(period_map, Effort(max_periods=2000), [free])
     assert [end.motion for end in known.ends([touching.points[0]])] == [1]
     assert same_motion(HalfPeriods(period_map), known.motions[1], touching)
@@ -122,8 +127,7 @@ def test_a_start_near_a_motion_that_it_is_not_bound_for_is_not_bound_to_it() -> 
 def test_a_mirror_image_is_a_motion_of_its_own_and_a_symmetric_one_is_not() -> None:
     period_map = analytic.Solver().period_map(paper_joint(angular_frequency=100.0))
     half_periods = HalfPeriods(period_map)
-    binder = Binder(period_map, Effort(max_periods=2000))
-    binder.ends(starts_of(period_map, 24, 1000.0))
+    binder = bound(period_map, 24, 1000.0)
     assert {motion.symmetric for motion in binder.motions} == {True, False}
     for motion in binder.motions:
         image = mirrored_motion(half_periods, motion)
@@ -135,9 +139,7 @@ def test_a_mirror_image_is_a_motion_of_its_own_and_a_symmetric_one_is_not() -> N
 
 def test_a_motion_is_known_again_at_any_of_its_periods() -> None:
     period_map = analytic.Solver(n_modes=2).period_map(MIRROR)
-    binder = Binder(period_map, Effort(max_periods=2000))
-    binder.ends(starts_of(period_map, 6, ENERGY))
-    several = next(motion for motion in binder.motions if motion.period_multiple > 1)
+    several = next(motion for motion in bound(period_map).motions if motion.period_multiple > 1)
     half_periods = HalfPeriods(period_map)
     for point in several.points:
         orbit = find_orbit(half_periods, point, 2 * several.period_multiple, 1e-3)

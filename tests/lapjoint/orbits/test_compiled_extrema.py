@@ -9,28 +9,6 @@ from lapjoint.orbits.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import Motion, Stops
 from lapjoint.problem import FloatArray
 
-OMEGA, GAP = 2.0, 0.3  # rad/s, m
-
-
-def test_a_part_of_a_motion_that_has_no_duration_has_no_extrema() -> None:
-    # Re exp(i omega t) over a period and a half, after a part that ends where it begins: two stops switch together.
-    turn = 2 * np.pi / OMEGA
-    motion = Motion(
-        start=np.array([0.0, 0.0]),
-        duration=np.array([0.0, 1.6 * turn]),
-        rates=np.full((2, 1), 1j * OMEGA),
-        weights=np.ones((2, 1, 1), dtype=complex),
-        amplitudes=np.ones((2, 1), dtype=complex),
-        polynomial=np.zeros((2, 1, 3)),
-        orientation=np.ones((2, 1)),
-    )
-    stops = Stops(sign=np.array([1.0]), gap=np.array([GAP]), place=np.array([0]), beyond=np.array([0]))
-    stop, time, value, highest = gap_extrema(motion, stops)
-    assert stop.tolist() == [0, 0, 0]
-    assert np.allclose(time, [0.5 * turn, turn, 1.5 * turn])
-    assert np.allclose(value, [-1 - GAP, 1 - GAP, -1 - GAP])
-    assert highest.tolist() == [False, True, False]
-
 
 def drawn(rng: np.random.Generator) -> Motion:
     """A random motion at two places: up to 20 terms over three decades of frequency, damped or not, and a parabola."""
@@ -40,7 +18,7 @@ def drawn(rng: np.random.Generator) -> Motion:
     amplitudes = (rng.normal(size=terms) + 1j * rng.normal(size=terms)) * frequency ** -rng.uniform(0.0, 2.5)
     return Motion(
         start=np.zeros(1),
-        duration=np.array([10 ** rng.uniform(-2.0, 0.5)]),
+        duration=np.array([10 ** rng.uniform(-2.0, 0.5) * (rng.random() < 0.8)]),
         rates=(frequency * (1j - damping))[None],
         weights=rng.normal(size=(1, 2, terms)).astype(complex),
         amplitudes=amplitudes[None].astype(complex),
@@ -68,69 +46,53 @@ def joined(parts: list[Motion]) -> Motion:
     )
 
 
-def course(motion: Motion, place: int, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Displacement and velocity of a place at some times."""
-    zero, one, two = motion.polynomial[0, place]
-    waves = np.exp(np.outer(time, motion.rates[0])) * motion.weights[0, place] * motion.amplitudes[0]
-    return (
-        zero + time * (one + time * two) + waves.real.sum(axis=1),
-        one + 2 * two * time + (waves @ motion.rates[0]).real,
+def course(motion: Motion, part: int, place: int, time: FloatArray) -> FloatArray:
+    """Displacement and velocity of a place at some times from the start of a part, shape (2, m)."""
+    zero, one, two = motion.polynomial[part, place]
+    waves = np.exp(np.outer(time, motion.rates[part])) * motion.weights[part, place] * motion.amplitudes[part]
+    return np.array(
+        [
+            zero + time * (one + time * two) + waves.real.sum(axis=1),
+            one + 2 * two * time + (waves @ motion.rates[part]).real,
+        ]
     )
 
 
-def test_extrema_are_where_a_rate_changes_sign_on_a_grid_that_is_fine_for_every_term() -> None:
-    rng, seen = np.random.default_rng(20), 0
-    both = Stops(sign=np.ones(2), gap=np.zeros(2), place=np.arange(2), beyond=np.arange(2))
-    for _ in range(60):
-        motion = drawn(rng)
-        stop, time, value, highest = gap_extrema(motion, both)
-        swings = motion.duration[0] * np.abs(motion.rates).max()
-        grid = np.linspace(0.0, motion.duration[0], 200 + int(10 * swings))
-        for place in range(2):
-            _, rate = course(motion, place, grid)
+def on_a_grid(motion: Motion, place: int) -> tuple[FloatArray, FloatArray]:
+    """Times that are close enough for every term, and displacement and velocity there, shape (2, m)."""
+    times, courses = [np.zeros(0)], [np.zeros((2, 0))]
+    for i in np.flatnonzero(motion.duration > 0):
+        fine = 200 + int(10 * motion.duration[i] * np.abs(motion.rates[i]).max())
+        since = np.linspace(0.0, motion.duration[i], fine)
+        times.append(motion.start[i] + since)
+        courses.append(course(motion, i, place, since))
+    return np.concatenate(times), np.concatenate(courses, axis=1)
+
+
+def test_extrema_are_where_a_rate_changes_sign_on_a_fine_grid_within_parts_and_between_them() -> None:
+    """Of one to five random parts whose displacements and rates do not go on, some of them without duration."""
+    rng, smooth, corners = np.random.default_rng(46), 0, 0
+    for _ in range(80):
+        motion = joined([drawn(rng) for _ in range(rng.integers(1, 6))])
+        stops = Stops(rng.choice([-1.0, 1.0], 2), rng.uniform(0.0, 1.0, 2), np.arange(2), np.arange(2))
+        stop, time, value, highest = gap_extrema(motion, stops)
+        for k in range(2):
+            grid, (displacement, rate) = on_a_grid(motion, k)
             changes = np.flatnonzero(np.sign(rate[:-1]) != np.sign(rate[1:]))
-            mine = stop == place
+            mine = stop == k
             assert mine.sum() == changes.size
             assert np.all((grid[changes] <= time[mine]) & (time[mine] <= grid[changes + 1]))
-            assert np.array_equal(highest[mine], rate[changes] > 0)
-            displacement, velocity = course(motion, place, time[mine])
-            # times are found to 1e-9 of the way between two points, in which a rate changes by a few of its sizes
-            assert np.all(np.abs(velocity) <= 1e-8 * np.abs(rate).max())
-            assert np.allclose(value[mine], displacement, rtol=1e-12, atol=1e-12 * np.abs(motion.amplitudes).sum())
-            seen += changes.size
-    assert seen
-
-
-def with_jumps(rng: np.random.Generator) -> list[Motion]:
-    """Two to five random motions whose displacements and rates do not go on, some of them without duration."""
-    parts = [drawn(rng) for _ in range(rng.integers(2, 6))]
-    return [part._replace(duration=part.duration * (rng.random() < 0.8)) for part in parts]
-
-
-def test_a_rate_that_changes_its_sign_between_two_parts_has_an_extremum_where_the_second_begins() -> None:
-    rng, at_corners = np.random.default_rng(46), 0
-    both = Stops(sign=np.ones(2), gap=np.zeros(2), place=np.arange(2), beyond=np.arange(2))
-    for _ in range(20):
-        parts = with_jumps(rng)
-        motion = joined(parts)
-        stop, time, value, highest = gap_extrema(motion, both)
-        for place in range(2):
-            times, rates, displacements = list[FloatArray](), list[FloatArray](), list[FloatArray]()
-            for start, part in zip(motion.start, parts, strict=True):
-                if part.duration[0] > 0:
-                    fine = 200 + int(10 * part.duration[0] * np.abs(part.rates).max())
-                    grid = np.linspace(0.0, part.duration[0], fine)
-                    displacement, rate = course(part, place, grid)
-                    times.append(start + grid)
-                    rates.append(rate)
-                    displacements.append(displacement)
-            grid, rate, displacement = (np.concatenate(one or [np.zeros(0)]) for one in (times, rates, displacements))
-            changes = np.flatnonzero(np.sign(rate[:-1]) != np.sign(rate[1:]))
-            mine = stop == place
-            assert mine.sum() == changes.size
-            assert np.all((grid[changes] <= time[mine]) & (time[mine] <= grid[changes + 1]))
-            assert np.array_equal(highest[mine], rate[changes] > 0)
-            corner = grid[changes] == grid[changes + 1]
-            np.testing.assert_allclose(value[mine][corner], displacement[changes + 1][corner], rtol=1e-12)
-            at_corners += int(corner.sum())
-    assert at_corners
+            assert np.array_equal(highest[mine], stops.sign[k] * rate[changes] > 0)
+            size = np.abs(motion.amplitudes).sum()
+            for i, t, z in zip(changes, time[mine], stops.sign[k] * (value[mine] + stops.gap[k]), strict=True):
+                if grid[i] == grid[i + 1]:
+                    corners += 1
+                    np.testing.assert_allclose(z, displacement[i + 1], rtol=1e-12, atol=1e-12 * size)
+                else:
+                    smooth += 1
+                    part = int(np.searchsorted(motion.start, grid[i], side="right")) - 1
+                    (here,), (slope,) = course(motion, part, k, np.array([t - motion.start[part]]))
+                    # times are found to 1e-9 of the way between two points, in which a rate changes by few of its sizes
+                    assert abs(slope) <= 1e-8 * np.abs(rate).max()
+                    np.testing.assert_allclose(z, here, rtol=1e-12, atol=1e-12 * size)
+    assert min(smooth, corners) > 100

@@ -16,6 +16,7 @@ from lapjoint.orbits.displaced import DisplacedStarts, energy_roots, plane_direc
 from lapjoint.problem.plane import Plane
 
 SOLVERS = (analytic.Solver(n_modes=24), fe_lapjoint.Solver(elements=24))
+AnySolver = analytic.Solver | fe_lapjoint.Solver
 TRUNCATED = 2e-4  # of what a start is moved by: the static shape that 24 modes leave out falls with their cube
 
 
@@ -27,7 +28,7 @@ def held_joint() -> Problem:
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("text", ["z(2.5),v(2.5)", "z(2.5),z(1.4)", "v(1.4),v(2.5)", "v(0.9),z(2.2)"])
-def test_a_start_is_moved_by_what_was_asked_for(solver: analytic.Solver | fe_lapjoint.Solver, text: str) -> None:
+def test_a_start_is_moved_by_what_was_asked_for(solver: AnySolver, text: str) -> None:
     problem, plane = held_joint(), Plane.from_text(text)
     period_map = solver.period_map(problem)
     origin = period_map.initial()
@@ -70,7 +71,7 @@ def test_both_solvers_start_from_the_same_shape() -> None:
 
 
 @pytest.mark.parametrize("solver", [*SOLVERS, Bar()])
-def test_random_starts_fill_the_ball_of_their_energy(solver: analytic.Solver | fe_lapjoint.Solver | Bar) -> None:
+def test_random_starts_fill_the_ball_of_their_energy(solver: AnySolver | Bar) -> None:
     problem = bar(0.7, (5.0, 9.0)) if isinstance(solver, Bar) else held_joint()
     period_map = solver.period_map(problem)
     assert isinstance(period_map, DisplacedStarts)
@@ -88,7 +89,7 @@ def test_random_starts_fill_the_ball_of_their_energy(solver: analytic.Solver | f
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_energy_of_a_static_shape_is_half_of_force_times_displacement(
-    solver: analytic.Solver | fe_lapjoint.Solver,
+    solver: AnySolver,
 ) -> None:
     problem = held_joint()
     period_map = solver.period_map(problem)
@@ -99,7 +100,7 @@ def test_the_energy_of_a_static_shape_is_half_of_force_times_displacement(
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_a_start_may_be_counted_from_a_point_in_contact(solver: analytic.Solver | fe_lapjoint.Solver) -> None:
+def test_a_start_may_be_counted_from_a_point_in_contact(solver: AnySolver) -> None:
     problem, plane = held_joint(), Plane.from_text("z(2.5),v(2.5)")
     period_map = solver.period_map(problem)
     rest = period_map.initial()

@@ -31,13 +31,6 @@ def test_errors_of_correlated_series_cover_as_they_should(time: float) -> None:
     assert 0.8 * true < estimate < 1.5 * true
 
 
-def test_an_error_that_takes_periods_for_independent_is_too_small() -> None:
-    """What blocking is there for."""
-    x, true = autoregressive(64.0, 2048, np.random.default_rng(5))
-    assert x.std() / math.sqrt(x.size) < 0.2 * true
-    assert standard_error(x) > 0.4 * true
-
-
 def logistic(r: float, size: int) -> FloatArray:
     """ln |f'| along f(x) = r x (1 - x); at r = 4 its mean is ln 2."""
     x, growths = 0.3, np.zeros(size + 1000)

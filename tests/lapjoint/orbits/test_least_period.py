@@ -13,10 +13,9 @@ from witness import testify
 
 import analytic
 import fe_lapjoint
-from lapjoint import Outcome, paper_joint
+from lapjoint import Outcome, Problem, paper_joint
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.least_period import over_least_period
-from lapjoint.orbits.newton import find_orbit
 
 pytestmark = pytest.mark.long_march
 
@@ -38,33 +37,18 @@ def test_a_symmetric_motion_is_found_again_over_half_a_period(solver: str, half_
     assert HalfPeriods(map_).apart(shorter.point, orbit.point) < 1e-6
 
 
-def test_without_the_symmetry_the_least_is_a_whole_period() -> None:
-    map_ = Bar().period_map(bar(0.8, (0.5, 5.0)))
-    shorter = over_least_period(HalfPeriods(map_), orbit_of(map_, 6, 30))
-    assert (shorter.half_periods, shorter.period_multiple, shorter.symmetric) == (2, 1, False)
-    alone = orbit_of(map_, 2, 30)
+@pytest.mark.parametrize(
+    ("problem", "least", "settle"),
+    [(bar(0.8, (0.5, 5.0)), 2, 30), (bar(3.0, (0.0, 20.0), ratio=0.03), 4, 100)],
+    ids=["one period", "two periods"],
+)
+def test_without_the_symmetry_the_least_is_that_of_whole_periods(problem: Problem, least: int, settle: int) -> None:
+    map_ = Bar().period_map(problem)
+    for times in (2, 3):
+        shorter = over_least_period(HalfPeriods(map_), orbit_of(map_, times * least, settle))
+        assert (shorter.half_periods, shorter.period_multiple, shorter.symmetric) == (least, least // 2, False)
+    alone = orbit_of(map_, least, settle)
     assert over_least_period(HalfPeriods(map_), alone) is alone
-
-
-def test_a_true_motion_of_two_periods_keeps_them() -> None:
-    map_ = Bar().period_map(bar(3.0, (0.0, 20.0), ratio=0.03))
-    orbit = orbit_of(map_, 4, 100)
-    assert over_least_period(HalfPeriods(map_), orbit) is orbit
-    twice = orbit_of(map_, 8, 100)
-    assert over_least_period(HalfPeriods(map_), twice).period_multiple == 2
-
-
-def test_a_true_motion_of_three_periods_is_not_taken_for_one() -> None:
-    """With a damping ratio of 0.01 the paper's joint repeats after three periods at 300 rad/s."""
-    problem = paper_joint(angular_frequency=300.0, damping_ratio=0.01)
-    steady = analytic.Solver(n_modes=14).steady_state(problem)
-    assert steady.period_multiple == 3
-    halves = HalfPeriods(analytic.Solver(n_modes=14).period_map(problem))
-    orbit = find_orbit(halves, steady.section_point, 6, 1e-3)
-    assert orbit is not None
-    assert over_least_period(halves, orbit).period_multiple == 3
-    thirds = [steady.history.displacement(2.5, n * steady.history.end / 3)[0, 0] for n in range(3)]
-    assert np.ptp(thirds) > 1e-3 * np.abs(thirds).max()  # it does not repeat after one
 
 
 @pytest.mark.parametrize(

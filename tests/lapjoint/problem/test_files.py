@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ from lapjoint import (
     sdnl104,
 )
 from lapjoint.errors import OutputError
-from lapjoint.problem import AtRest, BaseHarmonic, LoadHarmonic
+from lapjoint.problem import AtEquilibrium, AtRest, BaseHarmonic, Gravity, LoadHarmonic, Mass, UniformLoad
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
 
@@ -81,6 +82,7 @@ def problems(draw: st.DrawFn) -> Problem:
     initial = draw(
         st.one_of(
             st.just(AtRest()),
+            st.just(AtEquilibrium()),
             st.builds(lambda a, b: PolynomialShape(displacement=(0, 0, 0, a), velocity=(b,)), finite, finite),
             st.builds(
                 lambda values: SampledShape(x=(0.0, L / 4, L / 2, L), velocity=values),
@@ -154,10 +156,29 @@ def test_the_example_is_the_papers_joint() -> None:
     assert example.replace(stops=joint.stops) == joint
 
 
+def test_parts_that_the_example_leaves_out_need_only_their_marks_removed() -> None:
+    text = re.sub(r"^\[beam\.section\].*?\n\n", "", commented_example(), flags=re.DOTALL | re.MULTILINE)
+    taken = {"contents_per_length", "added_mass_per_length", "[[beam.segments]]", "[[masses]]", "fixed_to"}
+    taken |= {"[gravity]", "[[uniform_loads]]"}
+    lines, within = [], False
+    for line in text.splitlines():
+        begins = line.removeprefix("# ").split(maxsplit=1)[:1]
+        within = line.startswith("# ") and (within or bool(taken.intersection(begins)))
+        lines.append(line.removeprefix("# ") if within else line)
+    joint = from_toml("\n".join(lines))
+    assert [piece.end for piece in joint.beam.pieces] == [0.8, 2.5]
+    assert joint.beam.contents_per_length == 8.0
+    assert joint.beam.added_mass_per_length == 5.0
+    assert joint.masses == (Mass(name="clevis", x=2.5, mass=12.0, rotary_inertia=0.05),)
+    assert joint.stops[0].in_space
+    assert joint.gravity == Gravity(acceleration=-9.81)
+    assert joint.uniform_loads == (UniformLoad(start=0.5, to=1.0, force_per_length=-200.0),)
+
+
 def test_the_schema_describes_every_key() -> None:
     schema = json_schema()
     assert json.loads(json.dumps(schema, allow_nan=False)) == schema
-    for name, part in schema["$defs"].items():
+    for name, part in {"Problem": schema, **schema["$defs"]}.items():
         for key, field in part["properties"].items():
             assert key in ("kind", "shape") or "description" in field, f"{name}.{key} has no description"
 
@@ -206,7 +227,7 @@ FAULTS: list[tuple[str, str, str]] = [
     ("side", stop('"top"', '"left"'), 'stops[0].side = "left": must be "top" or "bottom"'),
     ("unknown key", stop("gap", "gaap"), "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, gap"),
     ("unknown table", GOOD + "[suports]\nx = 1", "suports: unknown key; did you mean supports?"),
-    ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list"),
+    ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list; above each entry stands [[stops]]"),
     ("not a table", "beam = 3", "beam = 3: must be a table"),
     ("kind", damping('kind = "rayleigh"'), 'damping.kind = "rayleigh": allowed: modal, none, viscous'),
     ("no kind", damping("ratio = 0.1"), "damping.kind: is missing; allowed: modal, none, viscous"),

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from few_and_many import few_and_many
 
 from lapjoint import InputError, paper_joint
 from lapjoint.problem import RecordBaseMotion, RecordLoad
@@ -157,27 +158,19 @@ def _read(folder: Path, text: str, **keys: Any) -> list[float] | None:
         return None
 
 
-def read_random_files(number: int, folder: Path) -> None:
-    """Judge so many files: read without keys, or with the right ones, they give what was written, or are refused."""
+@pytest.mark.parametrize("number", few_and_many(100, 5000))
+def test_random_files_are_read_as_they_were_written_or_refused(number: int, tmp_path: Path) -> None:
+    """Without keys, or with the right ones."""
     found, guessed = 0, 0
     for seed in range(number):
         text, right, keys, column = _random_file(random.Random(seed))
-        without = _read(folder, text, column=column)
-        with_keys = _read(folder, text, column=column, **keys) if keys else None  # no key makes sense of some files
+        without = _read(tmp_path, text, column=column)
+        with_keys = _read(tmp_path, text, column=column, **keys) if keys else None  # no key makes sense of some files
         assert with_keys in (right, None), (seed, text)
         assert without in (right, None), (seed, text)
         found, guessed = found + (with_keys is not None), guessed + (without is not None)
     assert found > number / 2  # those without separated thousands
     assert guessed > number / 4  # those with points, and what cannot be anything else
-
-
-def test_random_files_are_read_as_they_were_written_or_refused(tmp_path: Path) -> None:
-    read_random_files(100, tmp_path)
-
-
-@pytest.mark.slow
-def test_thousands_of_random_files_are_read_as_they_were_written_or_refused(tmp_path: Path) -> None:
-    read_random_files(5000, tmp_path)
 
 
 def _timed(folder: Path, times: np.ndarray, **keys: Any) -> RecordLoad:

@@ -134,10 +134,3 @@ def test_sums_come_back_from_a_journal_with_the_same_bits(history: History) -> N
     again = Sums.from_plain(json.loads(json.dumps(sums.plain())))
     for field in fields(Sums):
         assert np.array_equal(getattr(sums, field.name), getattr(again, field.name))
-
-
-def test_memory_does_not_grow_with_the_motion(history: History) -> None:
-    short, long = (collected(replace(history, end=end), []) for end in (0.5, 1.0))
-    assert [np.shape(getattr(short, field.name)) for field in fields(Sums)] == [
-        np.shape(getattr(long, field.name)) for field in fields(Sums)
-    ]

@@ -7,19 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 from stretches import Cutting
 
 import analytic
-from lapjoint import Beam, InputError, ModalDamping, NoDamping, Problem, Stop, Support, ViscousDamping, paper_joint
+import fe_lapjoint
+from lapjoint import Beam, InputError, ModalDamping, NoDamping, Problem, Stop, ViscousDamping, paper_joint
+from lapjoint.problem import Mass
 from lapjoint.summaries.measure import LONG, SETTLED, UNITS, Measure, measure, sums_of
 from lapjoint.summaries.quantities import DEFAULT, STATIONS, selection
 from lapjoint.summaries.table import remarks, table
 
 SOLVER = analytic.Solver(n_modes=4)
-CANTILEVER = Problem(
-    beam=Beam(length=1.0, bending_stiffness=2.0, mass_per_length=0.5),
-    supports=(Support(x=0.0, translational=math.inf, torsional=math.inf),),
-    damping=ModalDamping(ratio=0.05),
+CANTILEVER = unit_cantilever().replace(
+    beam=Beam(length=1.0, bending_stiffness=2.0, mass_per_length=0.5), base_motion=None
 )
 FIRST = 1.8751040687**2 * math.sqrt(2.0 / 0.5)  # rad/s, of a cantilever
 
@@ -41,6 +42,14 @@ def test_the_slowest_mode_says_how_long_a_motion_settles(damping: ModalDamping |
     found = of(CANTILEVER.replace(damping=damping), 1e5)
     assert found.settle == pytest.approx(SETTLED / rate, rel=1e-4)
     assert found.decay_time == pytest.approx(1 / rate, rel=1e-4)
+
+
+def test_a_heavy_mass_makes_a_slow_mode_that_counts() -> None:
+    """A mode 1e7 times as slow as the others is no motion as a rigid body."""
+    heavy = CANTILEVER.replace(masses=(Mass(x=1.0, mass=0.5e11),))
+    slowest = math.sqrt(3 * 2.0 / 0.5e11)
+    found = measure(selection(heavy), fe_lapjoint.Solver(elements=8), 1e12, rate=1e-6)
+    assert found.settle == pytest.approx(SETTLED / (0.05 * slowest), rel=1e-6)
 
 
 def test_units_are_long_against_the_correlation_and_no_more_than_needed() -> None:

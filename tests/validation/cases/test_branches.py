@@ -18,17 +18,6 @@ def test_the_shares_of_a_small_basin_are_those_of_plain_marches() -> None:
     assert [item.line for item in items if item.verdict is Verdict.DISAGREE] == []
 
 
-def test_starts_that_are_moved_by_half_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    sound = case.PolynomialShape
-
-    def halved(displacement: tuple[float, ...], velocity: tuple[float, ...]) -> case.PolynomialShape:
-        return sound(displacement=displacement, velocity=tuple(0.5 * v for v in velocity))
-
-    monkeypatch.setattr(case, "PolynomialShape", halved)
-    wrong = [item.name for item in case.basin(lambda _: None) if item.verdict is Verdict.DISAGREE]
-    assert wrong == ["basins, starts whose march ends elsewhere"]
-
-
 @pytest.mark.parametrize(("some", "of"), [(1, 36), (18, 36), (23, 36)])
 def test_wilsons_interval_has_its_ends_where_a_share_would_be_just_as_far_away(some: int, of: int) -> None:
     assert case.wilson(some / of, of) == pytest.approx(counted(some, of), abs=1e-12)

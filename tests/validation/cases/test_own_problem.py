@@ -2,18 +2,71 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import warnings
-from concurrent.futures import ProcessPoolExecutor
 
 import pytest
+from few_and_many import in_processes
 from population import driven_joint
 
 from lapjoint.errors import RecordWarning
+from lapjoint.problem.files import from_toml
 from validation.cases import own_problem
+from validation.report.records import parameters_sheet
 from validation.verdict import Verdict
 
+WORN = """
+title = "A machine designer's worn joint"
+[beam]
+length = 0.6
+added_mass_per_length = 0.2
+material = {youngs_modulus = 2.05e11, density = 7850}
+[[beam.segments]]
+to = 0.2
+section = {shape = "rectangle", breadth = 0.04, height = 0.02}
+[[beam.segments]]
+to = 0.6
+section = {shape = "rectangle", breadth = 0.04, height = 0.012}
+[[supports]]
+x = 0.0
+translational = inf
+torsional = inf
+[[masses]]
+name = "clevis"
+x = 0.6
+mass = 0.8
+rotary_inertia = 4e-4
+[[stops]]
+name = "top pad"
+x = 0.45
+side = "top"
+gap = 2e-4
+stiffness = 2e6
+[[stops]]
+name = "bottom pad"
+x = 0.45
+side = "bottom"
+gap = -1e-5
+stiffness = 2e6
+[[stops]]
+name = "wall"
+x = 0.6
+side = "bottom"
+gap = 1e-3
+stiffness = 1e6
+fixed_to = "space"
+[gravity]
+acceleration = -9.81
+[[uniform_loads]]
+from = 0.25
+to = 0.4
+force_per_length = -30
+[damping]
+kind = "modal"
+ratio = 0.02
+[base_motion]
+amplitude = 1e-3
+angular_frequency = 120.0
+"""
 SEED, COUNT = 271, 200
 FEW = (10, 22, 121)  # a record; a random excitation; one that balances
 MORE = (3, 29)  # harmonics and twins; a record that touches nothing
@@ -52,9 +105,44 @@ def test_the_witness_of_energy_is_not_misled_by_two_quadratures_that_agree_by_ch
 
 @pytest.mark.slow
 def test_many_problems_of_ones_own_are_judged_and_agree() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        found = list(pool.map(judged, range(COUNT)))
+    found = list(in_processes(judged, range(COUNT)))
     missed = [(title, *one) for title, _, several, _ in found for one in several]
     assert not [(title, failed) for title, _, _, failed in found if failed]
     assert all(ratio <= FAR for _, _, ratio in missed), missed
     assert len(missed) <= MOST_MISSED * sum(count for _, count, _, _ in found), missed
+
+
+def test_where_a_joint_rests_is_judged_if_it_has_static_loads_or_preload() -> None:
+    problem = from_toml(WORN)
+    assert own_problem.has_equilibrium(problem)
+    result = own_problem.equilibrium(problem, "quick", lambda text: None)
+    assert result.verdict is Verdict.AGREE
+    assert [check.unit for check in result.checks] == ["N"] * 3 + ["m"] * 2 + ["N"]
+    assert any(check.a.value > 1.0 for check in result.checks)
+
+
+@pytest.mark.parametrize(
+    ("changed", "wanted"),
+    [
+        ({"gravity": None, "uniform_loads": ()}, True),
+        ({"gravity": None, "uniform_loads": (), "stops": ()}, False),
+        ({"supports": (), "stops": ()}, False),
+    ],
+    ids=["preload alone", "nothing acts", "nothing resists"],
+)
+def test_a_joint_without_an_equilibrium_of_interest_has_none_judged(changed: dict[str, object], wanted: bool) -> None:
+    assert own_problem.has_equilibrium(from_toml(WORN).replace(**changed)) is wanted
+
+
+def test_the_report_lists_each_segment_of_a_beam_by_its_values() -> None:
+    (beam,) = (text for part, text in parameters_sheet(from_toml(WORN)).rows if part == "beam")
+    assert "segments[0].to = 0.2, segments[0].section.shape = rectangle" in str(beam)
+    assert "{" not in str(beam)
+
+
+@pytest.mark.thorough
+def test_a_joint_with_every_part_is_judged_and_agrees() -> None:
+    problem = from_toml(WORN)
+    for part in (own_problem.frequencies, own_problem.transient, own_problem.steady):
+        result = part(problem, "quick", lambda text: None)
+        assert [item.line for item in result.items if item.verdict is not Verdict.AGREE] == []

@@ -7,10 +7,6 @@ import pytest
 
 import analytic
 from lapjoint.orbits import search
-from lapjoint.orbits.approach import Forecast
-from lapjoint.orbits.newton import Orbit
-from lapjoint.orbits.search import SteadyStateSearch
-from lapjoint.problem import FloatArray
 from validation.cases import settled
 from validation.verdict import Verdict
 
@@ -27,20 +23,6 @@ def disagree(label: str) -> list[str]:
 @pytest.mark.parametrize("label", settled.JOINTS)
 def test_the_search_finds_what_a_march_ends_on(label: str) -> None:
     assert disagree(label) == []
-
-
-def test_a_march_that_is_called_bound_too_early_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Forecast, "bound", True)
-    assert disagree("early contacts")
-
-
-def test_an_orbit_that_is_waited_for_though_the_march_has_left_it_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def waits(self: SteadyStateSearch, orbit: Orbit, deviation: FloatArray, periods: int) -> bool:
-        self._advance(periods)
-        return True
-
-    monkeypatch.setattr(SteadyStateSearch, "on_course", waits)
-    assert any("until it is accepted" in name for name in disagree("early contacts"))
 
 
 def test_chaos_must_have_lasted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -224,7 +224,7 @@ FAULTS = (
             "a factor",
             "lapjoint:Beam.values",
             "Files for ParaView hold the curvature in place of the bending moment.",
-            'problem.beam.EI * beam["z_xx"]',
+            'EI * beam["z_xx"]',
             'beam["z_xx"]',
         ),
         "tests/lapjoint/scene/test_export.py::test_the_axis_carries_the_history",

@@ -26,13 +26,22 @@ from lapjoint import (
 )
 from lapjoint.cli import arguments
 from lapjoint.errors import SolverError
-from lapjoint.problem import BaseHarmonic, NoDamping, PolynomialShape, ViscousDamping
+from lapjoint.problem import (
+    BaseHarmonic,
+    BeamSegment,
+    Gravity,
+    Mass,
+    NoDamping,
+    PolynomialShape,
+    UniformLoad,
+    ViscousDamping,
+)
 from lapjoint.solver import Solver as AnySolver
 from validation.cases import peers
 from validation.invariants import witness
 from validation.peers.opensees import Solver
 from validation.peers.opensees_motion import contacts_of, history_of
-from validation.peers.opensees_script import Record, _repetition, mesh
+from validation.peers.opensees_script import Record, mesh, repetition
 from validation.peers.process import in_another_process
 from validation.verdict import Kind, Verdict
 
@@ -55,6 +64,15 @@ def opensees() -> None:
 needs_opensees = pytest.mark.usefixtures("opensees")
 JOINT = peers.damped_joint()
 COARSE = Solver(elements=16, dt=2e-5)
+
+
+STEPPED = Beam(
+    length=JOINT.beam.length,
+    segments=(
+        BeamSegment(to=JOINT.beam.length / 2, bending_stiffness=2 * JOINT.beam.EI, mass_per_length=JOINT.beam.m),
+        BeamSegment(to=JOINT.beam.length, bending_stiffness=JOINT.beam.EI, mass_per_length=JOINT.beam.m),
+    ),
+)
 
 
 def silent(_: str) -> None:
@@ -94,12 +112,22 @@ def test_options_out_of_range_are_named(options: dict[str, float], message: str)
             ),
             r"base_motion\.harmonics\[0\]\.phase = 1: must be 0",
         ),
+        (JOINT.replace(damping=NoDamping(), masses=(Mass(x=0.1, mass=1.0),)), "masses: "),
+        (JOINT.replace(beam=STEPPED), r"beam\.segments: "),
+        (JOINT.replace(gravity=Gravity(acceleration=-9.81)), "gravity: "),
+        (JOINT.replace(uniform_loads=(UniformLoad(force_per_length=1.0),)), "uniform_loads: "),
     ],
 )
 def test_what_opensees_cannot_express_is_refused_in_a_line(problem: Problem, message: str) -> None:
     with pytest.raises(InputError, match=message) as refused:
         Solver().simulate(problem, 0.01)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("changed", [{"masses": (Mass(x=0.1, mass=1.0),), "damping": NoDamping()}, {"beam": STEPPED}])
+def test_modes_of_a_beam_with_masses_or_steps_are_refused(changed: dict[str, object]) -> None:
+    with pytest.raises(InputError, match="the OpenSees solver knows beams"):
+        Solver().modes(JOINT.replace(**changed))
 
 
 def test_a_step_far_too_short_is_refused() -> None:
@@ -174,9 +202,9 @@ def test_a_peer_that_does_not_answer_is_named(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_a_motion_repeats_when_it_comes_back_and_lower_orders_do_not_nearly() -> None:
-    assert _repetition([0.1, 1e-7, 0.1, 1e-8], 1e-6) == (2, 1e-7)
-    assert _repetition([2e-6, 1e-7], 1e-6)[0] == 0  # still settling to order 1
-    assert _repetition([], 1e-6) == (0, math.inf)
+    assert repetition([0.1, 1e-7, 0.1, 1e-8], 1e-6) == (2, 1e-7)
+    assert repetition([2e-6, 1e-7], 1e-6)[0] == 0  # still settling to order 1
+    assert repetition([], 1e-6) == (0, math.inf)
 
 
 @needs_opensees

@@ -14,10 +14,11 @@ import pytest
 from report_sample import HOSTILE, checks, estimate, everything
 
 import validation.report.page
-from lapjoint import paper_joint
+from lapjoint import Beam, BeamSegment, Problem, paper_joint
 from lapjoint.errors import OutputError
 from validation.case import CaseResult
 from validation.report.page import sentence, short, significant
+from validation.report.records import parameters_sheet
 from validation.report.table_files import Sheet, distinct, slug
 from validation.report.uncertainty_budget import shares
 from validation.report.write import write_reports
@@ -283,3 +284,10 @@ def test_frequencies_stand_in_hz_too(tmp_path: Path) -> None:
     assert "omega_1 [rad/s]" in page
     assert "47.75 Hz." in page
     assert "angular_frequency = 515 (81.96 Hz)" in page
+
+
+def test_the_segments_of_a_beam_are_written_value_by_value() -> None:
+    segments = tuple(BeamSegment(to=to, bending_stiffness=9.0, mass_per_length=2.0) for to in (0.5, 1.0))
+    ((_, values),) = parameters_sheet(Problem(beam=Beam(length=1.0, segments=segments))).rows
+    assert "segments[0].to = 0.5, segments[0].bending_stiffness = 9" in str(values)
+    assert "segments[1].to = 1" in str(values)

@@ -7,37 +7,21 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from killing import killed_at_work
 from scipy.stats import binomtest
 from toy import bar
 
 from lapjoint import Axis, InputError, ModalDamping, basins
+from lapjoint.campaigns.basins.job import BasinJob
 from lapjoint.campaigns.basins.motions import wilson
-from lapjoint.campaigns.basins.running import BasinJob
-from lapjoint.campaigns.basins.solve import ChunkEnds
 from lapjoint.campaigns.basins.spec import CHUNK, BasinPlan
-from lapjoint.campaigns.basins.table import read_basins
-from lapjoint.campaigns.journal import CellJournal, journal_path
-from lapjoint.campaigns.sweep.table import read_curve
-from lapjoint.errors import Interrupted
-from lapjoint.problem.plane import Plane
-from lapjoint.solver import Solver
+from lapjoint.campaigns.journal import Journal
 
 MIRROR = bar(0.55, (0.4, 20.0), (-0.4, 20.0), ratio=0.05)
 """A bar between two equal stops, with motions of one period and of three."""
 TWO: dict[str, Any] = {"options": {"n_modes": 2}}
 RANDOM: dict[str, Any] = {"energy": 20.0, "starts": 2 * CHUNK + 9, **TWO}
 PLANE: dict[str, Any] = {"plane": "z(0.5),v(1.0)", "grid": (9, 11), "ranges": ((-3.0, 3.0), (-2.0, 2.0)), **TWO}
-
-
-@pytest.mark.thorough
-def test_two_workers_find_what_one_finds(tmp_path: Path) -> None:
-    alone = basins(MIRROR, **RANDOM)
-    together = basins(MIRROR, **RANDOM, workers=2, out=tmp_path / "basins.nc")
-    xr.testing.assert_identical(alone, together)
-    xr.testing.assert_identical(read_basins(tmp_path / "basins.nc"), together)
-    assert [path.name for path in tmp_path.iterdir()] == ["basins.nc"]
 
 
 def test_shares_are_those_of_the_starts() -> None:
@@ -60,37 +44,6 @@ def test_intervals_are_those_of_wilson(count: int, total: int) -> None:
     assert wilson(count, total) == pytest.approx(tuple(binomtest(count, total).proportion_ci(0.95, "wilson")))
 
 
-def test_what_is_done_is_not_done_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    out = tmp_path / "basins.nc"
-    whole, solved = basins(MIRROR, **PLANE), list[int]()
-    answer = BasinJob.answer
-
-    def counted(self: BasinJob, cell: int, solver: Solver, section: Any, *more: Any) -> tuple[ChunkEnds, None]:
-        if len(solved) == 2:
-            raise KeyboardInterrupt
-        solved.append(cell)
-        return answer(self, cell, solver, section)
-
-    monkeypatch.setattr("lapjoint.campaigns.batch.BATCH_SECONDS", 0.0)
-    with monkeypatch.context() as within:
-        within.setattr(BasinJob, "answer", counted)
-        with pytest.raises(Interrupted, match=r"2 of 3 chunks of starts are kept in .*; the same command resumes"):
-            basins(MIRROR, **PLANE, out=out)
-        plan = BasinPlan(
-            MIRROR,
-            options=PLANE["options"],
-            plane=Plane.from_text(PLANE["plane"]),
-            shape=PLANE["grid"],
-            ranges=PLANE["ranges"],
-        )
-        journal = CellJournal(BasinJob(plan), out)
-        assert sorted(journal.points) == solved == [0, 1]
-        journal.close()
-    xr.testing.assert_identical(basins(MIRROR, **PLANE, out=out), whole)
-    assert not journal_path(out).exists()
-    xr.testing.assert_identical(basins(MIRROR, **PLANE, out=out), whole)  # the file is there
-
-
 SCRIPT = """
 import sys
 sys.path.insert(0, sys.argv[2])
@@ -108,7 +61,7 @@ def test_a_killed_process_loses_no_more_than_its_last_batches(tmp_path: Path) ->
     script.write_text(SCRIPT)
     killed_at_work([str(script), str(out), str(Path(__file__).parent)], out, 3)
     plan = BasinPlan(MIRROR, options=TWO["options"], energy=20.0, starts=6400)
-    kept = CellJournal(BasinJob(plan), out)
+    kept = Journal(BasinJob(plan), out)
     assert len(kept.points) >= 2
     kept.close()
 
@@ -130,17 +83,6 @@ def test_along_a_number_motions_belong_to_branches(tmp_path: Path) -> None:
             multiples.setdefault(int(branch), set()).add(int(multiple))
     assert all(len(those) == 1 for those in multiples.values())
     assert len(multiples) < (found.branch.values >= 0).sum()  # some branch goes on
-
-
-def test_a_file_says_what_it_is(tmp_path: Path) -> None:
-    out = tmp_path / "basins.nc"
-    found = basins(MIRROR, energy=20.0, starts=3, out=out, **TWO)
-    assert found.attrs["format_version"] >= 3
-    with pytest.raises(InputError, match="is not the result of a sweep"):
-        read_curve(out)
-    with pytest.raises(InputError, match="is the result of another search for basins"):
-        basins(MIRROR, energy=20.0, starts=4, out=out, **TWO)
-    assert basins(MIRROR, energy=20.0, starts=4, out=out, force=True, **TWO).sizes["start"] == 4
 
 
 @pytest.mark.parametrize(

@@ -4,28 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
 import xarray as xr
+from small_joints import HIGH, LOW, TOUCHING
 
-from lapjoint import BaseMotion, Beam, Problem, Stop, Support, ViscousDamping
-from lapjoint.campaigns.branches.running import branch
+from lapjoint import Problem
+from lapjoint.campaigns import branch
 from lapjoint.campaigns.branches.solve import solve_branch, solve_start
 from lapjoint.campaigns.branches.spec import BranchSpec
-
-LOW, HIGH = 3e-4, 4e-4  # m
 
 
 @pytest.fixture(scope="session")
 def problem() -> Problem:
-    """The cantilever, viscously damped, at the low end of the range."""
-    return Problem(
-        beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-        supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-        stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=50.0),),
-        damping=ViscousDamping(coefficient=0.8),
-        base_motion=BaseMotion(amplitude=LOW, angular_frequency=5.0),
-    )
+    """The cantilever at the low end of the range."""
+    return TOUCHING
 
 
 @pytest.fixture(scope="session")

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 import xarray as xr
+from small_joints import HIGH, LOW
 
 from lapjoint import InputError, Problem
 from lapjoint.campaigns.branches.search import Diagram
@@ -18,8 +19,6 @@ from lapjoint.campaigns.branches.table import KINDS, branch_dataset, read_branch
 from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem import FloatArray
-
-LOW, HIGH = 3e-4, 4e-4  # m, the range of `spec`
 
 
 def ranging(values: list[float], ends: tuple[str, str], *bifurcations: dict[str, Any]) -> dict[str, Any]:

@@ -11,12 +11,13 @@ import pytest
 import xarray as xr
 
 from lapjoint import Axis, InputError
-from lapjoint.campaigns.branches.running import branch
+from lapjoint.campaigns import branch
 from lapjoint.campaigns.branches.search import Diagram
 from lapjoint.campaigns.branches.table import branch_dataset
-from lapjoint.campaigns.confirm import solve
-from lapjoint.campaigns.confirm.solve import Confirmed, solve_bifurcation
+from lapjoint.campaigns.confirm import job
+from lapjoint.campaigns.confirm.job import solve_bifurcation
 from lapjoint.campaigns.confirm.spec import ConfirmSpec, confirm_spec
+from lapjoint.campaigns.confirm.table import Confirmed
 from lapjoint.errors import SolverError
 from lapjoint.problem.files import from_toml
 
@@ -103,7 +104,7 @@ def test_a_bifurcation_without_a_motion_in_the_file_is_said(spec: ConfirmSpec) -
 def test_a_motion_that_the_first_solver_does_not_find_again_is_said(
     spec: ConfirmSpec, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(solve, "located_of", lambda *_: None)
+    monkeypatch.setattr(job, "located_of", lambda *_: None)
     assert "the first solver does not find it again" in answer_of(spec).message
 
 
@@ -111,7 +112,7 @@ def test_a_solver_that_stops_is_said_with_its_message(spec: ConfirmSpec, monkeyp
     def stops(*args: Any) -> None:
         raise SolverError("stopped at t = 0.1 s")
 
-    monkeypatch.setattr(solve, "confirmed", stops)
+    monkeypatch.setattr(job, "confirmed", stops)
     found = answer_of(spec)
     assert (found.verdict, found.message) == ("not found", "stopped at t = 0.1 s")
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from lapjoint import confirm
 from lapjoint.campaigns.branches.table import KINDS
-from lapjoint.campaigns.confirm.solve import Confirmed
 from lapjoint.campaigns.confirm.spec import confirm_spec
-from lapjoint.campaigns.confirm.table import VERDICTS, confirm_dataset
+from lapjoint.campaigns.confirm.table import VERDICTS, Confirmed, confirm_dataset
 
 
 def test_each_bifurcation_has_its_verdict_and_its_distance_over_both_errors(branches: xr.Dataset) -> None:
@@ -29,3 +29,11 @@ def test_each_bifurcation_has_its_verdict_and_its_distance_over_both_errors(bran
     assert found.message.values.tolist() == ["", "", "stopped"]
     assert found.attrs["branches"] == branches.attrs["fingerprint"]
     assert third.value == found.value.values[2]
+
+
+def test_both_solvers_agree_with_different_values(branches: xr.Dataset) -> None:
+    found = confirm(branches, options={"elements": 4})
+    assert found.number.values.tolist() == list(range(3))
+    assert (found.ratio.values <= 1).all()
+    assert (found.other_value.values != found.value.values).all()
+    assert found.message.values.tolist() == [""] * 3

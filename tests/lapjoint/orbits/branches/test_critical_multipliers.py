@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, cast, get_args
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -67,13 +67,7 @@ def test_a_real_saddle_is_no_neimark_sacker() -> None:
 def test_motions_without_multipliers_hide_no_bifurcations() -> None:
     """All multipliers may be faint; a warning of numpy would fail this test."""
     problem = SimpleNamespace(sequence=SimpleNamespace(returning=()))
-    first, middle, last = (
-        cast(
-            Any,
-            SimpleNamespace(
-                multipliers=np.full(4, rate * 1e-5, complex), tangent=[rate], shares=np.ones(1), problem=problem
-            ),
-        )
-        for rate in (1.0, 2.0, 1.0)
-    )
+    first, middle, last = (point(*[rate * 1e-5] * 4) for rate in (1.0, 2.0, 1.0))
+    for one in (first, middle, last):
+        one.shares, one.problem = np.ones(1), problem
     assert not [*within(Stretch(first, middle, 0.1)), *within(Stretch(middle, last, 0.1))]

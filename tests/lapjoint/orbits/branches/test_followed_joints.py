@@ -62,18 +62,11 @@ def check(found: Followed, rng: np.random.Generator) -> None:
         assert float(np.linalg.norm(apart)) < 1e-4
 
 
-@pytest.mark.parametrize("index", range(FEW))
-def test_a_few_random_joints_are_followed_through_all_their_contacts(index: int) -> None:
-    found = followed(SEED, index)
-    assert found.end in ("boundary", "points")
-    check(found, np.random.default_rng(index))
-
-
-@pytest.mark.slow
-def test_random_joints_are_followed_through_all_their_contacts() -> None:
+@pytest.mark.parametrize(("seed", "count"), [(SEED, FEW), pytest.param(SEED + 1, MANY, marks=pytest.mark.slow)])
+def test_random_joints_are_followed_through_all_their_contacts(seed: int, count: int) -> None:
     ends = []
-    for index in range(MANY):
-        found = followed(SEED + 1, index)
+    for index in range(count):
+        found = followed(seed, index)
         check(found, np.random.default_rng(index))
         ends.append(found.end)
-    assert sum(end in ("boundary", "points") for end in ends) >= 0.97 * MANY, ends
+    assert sum(end in ("boundary", "points") for end in ends) >= 0.97 * count, ends

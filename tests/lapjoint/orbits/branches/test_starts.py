@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from beams import with_stops
 
 import analytic
 from lapjoint import Problem, paper_joint
@@ -19,14 +20,8 @@ def test_stops_that_mirror_each_other_only_out_of_reach_make_no_symmetric_motion
     """Pushed out of reach they differ in nothing; the motion is that of a whole period all the same."""
 
     def problem_at(omega: float) -> Problem:
-        joint = paper_joint(angular_frequency=omega)
-        first, *others = joint.stops
         wide = 10.0  # so that nothing is touched
-        stops = (
-            first.model_copy(update={"gap": wide * gap}),
-            *(one.model_copy(update={"gap": wide * GAP}) for one in others),
-        )
-        return joint.replace(stops=stops)
+        return with_stops(paper_joint(angular_frequency=omega, gap=wide * GAP), {"gap": wide * gap})
 
     start = without_contact(ParameterRange(analytic.Solver(n_modes=6), problem_at, FREQUENCY, 1.0, 10.0), QUIET)
     assert start is not None

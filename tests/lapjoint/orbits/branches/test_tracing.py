@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 
 import analytic
-from lapjoint import FREQUENCY, BaseMotion, Beam, ModalDamping, Problem, Stop, Support
+from lapjoint import FREQUENCY, Problem, Stop
 from lapjoint.orbits.branches import tracing
 from lapjoint.orbits.branches.bifurcations import Bifurcation, Stretch, flip_test, within
 from lapjoint.orbits.branches.halves import half_difference
@@ -25,13 +26,7 @@ def of() -> ParameterRange:
     """A lightly damped cantilever with one stop, which repeats after two periods of slow excitation."""
 
     def problem_at(omega: float) -> Problem:
-        return Problem(
-            beam=Beam(length=1.0, bending_stiffness=1.0, mass_per_length=1.0),
-            supports=(Support(x=0.0, translational=np.inf, torsional=np.inf),),
-            stops=(Stop(x=1.0, side="top", gap=1e-3, stiffness=100.0),),
-            damping=ModalDamping(ratio=0.02),
-            base_motion=BaseMotion(amplitude=1e-3, angular_frequency=omega),
-        )
+        return unit_cantilever(Stop(x=1.0, side="top", gap=1e-3, stiffness=100.0), omega=omega, ratio=0.02)
 
     return ParameterRange(analytic.Solver(n_modes=6), problem_at, FREQUENCY, LOW, HIGH)
 

@@ -47,8 +47,11 @@ def found(index: int, shorter: float) -> list[tuple[str, float]]:
     return [(one.what.kind, one.what.point.value) for one in way.found if isinstance(one.what, Bifurcation)]
 
 
-def shares(indices: range) -> tuple[int, int]:
-    """How many bifurcations by short steps the program's own steps find, and how many there are."""
+@pytest.mark.parametrize(
+    "indices",
+    [pytest.param(range(FEW), marks=pytest.mark.thorough), pytest.param(range(FEW, MANY), marks=pytest.mark.slow)],
+)
+def test_curves_have_what_short_steps_find(indices: range) -> None:
     there = total = 0
     for index in indices:
         own, fine = found(index, 1.0), found(index, 4.0)
@@ -56,17 +59,5 @@ def shares(indices: range) -> tuple[int, int]:
         there += sum(
             any(kind == other and abs(value - at) <= ALIKE * abs(at) for other, value in own) for kind, at in fine
         )
-    return there, total
-
-
-@pytest.mark.thorough
-def test_few_curves_have_what_short_steps_find() -> None:
-    there, total = shares(range(FEW))
-    assert there >= SHARE * total
-
-
-@pytest.mark.slow
-def test_curves_have_what_short_steps_find() -> None:
-    there, total = shares(range(FEW, MANY))
-    assert total > MANY
+    assert total > len(indices)
     assert there >= SHARE * total

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.orbits.branches import bifurcations
 from lapjoint.orbits.branches.bifurcations import Kind, Stretch, within
 from lapjoint.orbits.branches.boundary_problem import Linearisation
@@ -56,8 +57,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> None:
 def found_in(course: Course) -> list[tuple[Kind, float]]:
     """The bifurcations of a step, and where they lie."""
     stretch = Stretch(point(course, 0.0), point(course, 1.0), 1.0)
-    places = [(one.kind, one.point) for one in within(stretch)]
-    return [(kind, place.at) for kind, place in places]  # type: ignore[attr-defined]  # they are made points
+    return [(one.kind, one.point.at) for one in within(stretch)]  # type: ignore[attr-defined]  # they are made points
 
 
 def meeting(rng: np.random.Generator) -> Course:
@@ -78,11 +78,16 @@ def meeting(rng: np.random.Generator) -> Course:
                 [modulus * np.exp(1j * apart), coupling * balance * np.exp(1j * phase)],
                 [coupling / balance * np.exp(1j * (turn - phase)), modulus * np.exp(-1j * apart)],
             ]
-        ) * np.exp(1j * angle)
-        real = np.block([[pairs.real, -pairs.imag], [pairs.imag, pairs.real]])
-        return np.asarray(basis @ real @ np.linalg.inv(basis))
+        )
+        return in_basis(basis, pairs * np.exp(1j * angle))
 
     return course
+
+
+def in_basis(basis: FloatArray, pairs: ComplexArray) -> FloatArray:
+    """The real matrix of two coupled complex pairs, in a basis."""
+    real = np.block([[pairs.real, -pairs.imag], [pairs.imag, pairs.real]])
+    return np.asarray(basis @ real @ np.linalg.inv(basis))
 
 
 def passings_of(course: Course) -> FloatArray:
@@ -93,24 +98,16 @@ def passings_of(course: Course) -> FloatArray:
     return np.asarray((grid[passings] + grid[passings + 1]) / 2)
 
 
-def check_meeting(seed: int) -> None:
+@pytest.mark.parametrize(
+    "seed", [*range(20), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(20, 300))]
+)
+def test_pairs_that_meet_and_part_pass_the_circle_twice(seed: int) -> None:
     course = meeting(np.random.default_rng((46, seed)))
     there = passings_of(course)
     assert there.size == 2  # the largest leaves the circle by a fifth of the way to it, or more
     found = found_in(course)
     assert [kind for kind, _ in found] == ["neimark-sacker"] * 2
     np.testing.assert_allclose([at for _, at in found], there, atol=0.5 / (SAMPLES - 1) + ALIKE)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_pairs_that_meet_and_part_pass_the_circle_twice(seed: int) -> None:
-    check_meeting(seed)
-
-
-@pytest.mark.thorough
-def test_many_pairs_that_meet_and_part_pass_the_circle_twice() -> None:
-    for seed in range(20, 300):
-        check_meeting(seed)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -122,9 +119,7 @@ def test_pairs_that_pass_each_other_within_the_circle_are_no_bifurcations(seed: 
 
     def course(s: float) -> FloatArray:
         apart = rate * (s - at) / 2
-        pairs = modulus * np.diag(np.exp(1j * np.array([angle + apart, angle - apart])))
-        real = np.block([[pairs.real, -pairs.imag], [pairs.imag, pairs.real]])
-        return np.asarray(basis @ real @ np.linalg.inv(basis))
+        return in_basis(basis, modulus * np.diag(np.exp(1j * np.array([angle + apart, angle - apart]))))
 
     assert not found_in(course)
 

@@ -1,0 +1,321 @@
+"""The campaigns as functions: `sweep`, `basins`, `branch`, `confirm` and `statistics`.
+
+Jobs whose modules load scipy and numba are imported when they are asked for, because `lapjoint.campaigns` is also
+imported for lighter work.  The package `confirm` is imported here: its first import gives its name in
+`lapjoint.campaigns` to the package, and a later one would take the name from the function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from lapjoint.campaigns.basins.spec import EFFORT as EFFORT_OF_A_START
+from lapjoint.campaigns.basins.spec import BasinPlan
+from lapjoint.campaigns.branches.spec import EFFORT, MAX_POINTS, BranchSpec
+from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.running import Running, run_job
+from lapjoint.campaigns.statistics.job import StatisticsJob
+from lapjoint.campaigns.statistics.spec import Realisations, lasting
+from lapjoint.campaigns.sweep.job import SweepJob
+from lapjoint.campaigns.sweep.spec import Plan, Start
+from lapjoint.problem import Problem
+from lapjoint.problem.plane import Plane
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+import_module("lapjoint.campaigns.confirm")
+
+
+def sweep(
+    problem: Problem,
+    axes: Iterable[Axis],
+    *,
+    solver: str = "analytic",
+    options: Mapping[str, Any] | None = None,
+    start: Start = "rest",
+    starts: int = 1,
+    seed: int = 0,
+    sensitivity: bool = False,
+    errors: bool = False,
+    summary: Sequence[str] = (),
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Find the steady states at every point of a grid of problems.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that has all that the axes do not change.
+    axes : iterable of Axis
+        The numbers that are changed; `start` = "up" and "down" follow the first of them.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping, optional
+        Numerical options of the solver.
+    start : {"rest", "up", "down", "random"}
+        Start of each motion: the problem's own initial state; the motion before it along the first axis, ascending or
+        descending; or a random initial state.
+    starts : int
+        Number of starts at each point; with "rest", the starts after the first are random.
+    seed : int
+        Seed of the random initial states.
+    sensitivity : bool
+        Whether to measure how much deviations grew on the way to each motion; it takes about as long again.
+    errors : bool
+        Whether to estimate the numerical errors of the impulses; it takes less than as long again.
+    summary : sequence of str
+        Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`, as ``stress_peak``, ``force_rms`` or
+        ``contact_time``: variables of the dataset.
+    **running : Running
+        Workers, file and progress, and the errors that are raised: see `Running`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; `lapjoint.campaigns.sweep.table` says how contacts are stored.
+    """
+    grid, numerics = Grid(problem, tuple(axes)), dict(options or {})
+    plan = Plan(grid, solver, numerics, start, starts, seed, sensitivity, errors, tuple(summary))
+    return run_job(SweepJob(plan), **running)
+
+
+def basins(
+    problem: Problem,
+    *,
+    plane: str | None = None,
+    grid: tuple[int, int] = (40, 40),
+    ranges: tuple[tuple[float, float], tuple[float, float]] | None = None,
+    energy: float | None = None,
+    starts: int = 1000,
+    seed: int = 0,
+    over: Axis | None = None,
+    effort: int = EFFORT_OF_A_START,
+    solver: str = "analytic",
+    options: Mapping[str, Any] | None = None,
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Find which motion each of many starts ends in.
+
+    Starts are either the points of a grid in a plane, or random ones of bounded energy.  Each is bound to a certified
+    motion, or said not to be; see `lapjoint.orbits.binding`.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint and its excitation; its initial state is what starts are counted from.
+    plane : str, optional
+        Two coordinates by which the initial state is moved, displacement z or velocity v at places, m:
+        ``"z(2.5),v(2.5)"``.
+    grid : tuple of int
+        Number of values of each coordinate.
+    ranges : tuple of tuple of float, optional
+        First and last value of each coordinate, m or m/s; by default some times the size of base motion and gap.
+    energy : float, optional
+        Bound on the energy of random starts, J; they are drawn evenly from all of the solver's space below it.
+    starts : int
+        Number of random starts.
+    seed : int
+        Seed of the random starts.
+    over : Axis, optional
+        A number of the problem, and the values for which all this is done.
+    effort : int
+        Most periods of the excitation marched from a start; what has not settled after them is undecided.
+    solver : str
+        Entry-point name of the solver.
+    options : mapping, optional
+        Numerical options of the solver.
+    **running : Running
+        Workers, file and progress, and the errors that are raised: see `Running`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; ``docs/basins.md`` lists its variables.
+    """
+    from lapjoint.campaigns.basins.job import BasinJob
+
+    numerics, coordinates = dict(options or {}), None if plane is None else Plane.from_text(plane)
+    plan = BasinPlan(problem, solver, numerics, coordinates, grid, ranges, energy, starts, seed, effort, over)
+    return run_job(BasinJob(plan), **running)
+
+
+def branch(
+    problem: Problem,
+    path: str,
+    first: float,
+    last: float,
+    *,
+    solver: str = "analytic",
+    options: Mapping[str, Any] | None = None,
+    max_period_multiple: int = 1,
+    starts: int = 0,
+    seed: int = 0,
+    errors: bool = True,
+    max_points: int = MAX_POINTS,
+    effort: int = EFFORT,
+    also_over: Axis | None = None,
+    from_grazes: bool = False,
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Follow the periodic motions of a problem, stable or not, while one of its numbers changes.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that has all that the number does not change.
+    path : str
+        Path of the number, as `Axis` takes it: ``stops.*.gap``, or `FREQUENCY`, which sets the frequency of all
+        periodic excitation.
+    first, last : float
+        The range of the number, in its SI unit.
+    solver : str
+        Entry-point name of the solver; it must give its period map.
+    options : mapping, optional
+        Numerical options of the solver.
+    max_period_multiple : int
+        Largest period multiple: branches that spring from flips are followed up to it.
+    starts : int
+        Number of random starts besides the problem's own initial state and the motion without contact at both ends of
+        the range: they find branches that do not spring from those.
+    seed : int
+        Seed of the random starts.
+    errors : bool
+        Whether to estimate the errors of the bifurcations, by finer resolutions of the solver.
+    max_points : int
+        Largest number of points of a branch; one that needs more, or more tries than go with so many, ends as
+        ``effort``.
+    effort : int
+        Number of points of all branches together, each counted by its period multiple, from which on no further branch
+        is followed, at each value of `also_over`; the dataset tells how many motions are left out.
+    also_over : Axis, optional
+        A second parameter, and its values: all is done at each value, and bifurcations that go on from value to value
+        lie on one locus.
+    from_grazes : bool
+        Whether motions are looked for beside each graze that have its contact every second period alone, or in one half
+        of a motion that mirrored itself.
+    **running : Running
+        Workers, file and progress, and the errors that are raised: see `Running`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The dataset; docs/branches.md lists its variables.
+    """
+    from lapjoint.campaigns.branches.job import BranchJob
+
+    spec = BranchSpec(
+        problem,
+        path,
+        first,
+        last,
+        solver,
+        dict(options or {}),
+        max_period_multiple,
+        starts,
+        seed,
+        errors,
+        max_points,
+        effort,
+        also_over,
+        from_grazes,
+    )
+    return run_job(BranchJob(spec), **running)
+
+
+def confirm(
+    branches: str | Path | xr.Dataset,
+    *,
+    solver: str = "fe",
+    options: Mapping[str, Any] | None = None,
+    share: float = 1.0,
+    seed: int = 0,
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Look for the bifurcations of branches by another solver, too.
+
+    Parameters
+    ----------
+    branches : str, Path or xarray.Dataset
+        The dataset that `lapjoint.branch` gave, or its file; it must have bifurcations, with errors.
+    solver : str
+        Entry-point name of the other solver; it must give its period map.
+    options : mapping, optional
+        Numerical options of the other solver.
+    share : float
+        Share of the bifurcations that are looked for, drawn at random; 1 for all.
+    seed : int
+        Seed of the draw.
+    **running : Running
+        Workers, file and progress, and the errors that are raised: see `Running`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The value and the error of each by both solvers, and the verdict; docs/branches.md lists the variables.
+    """
+    from lapjoint.campaigns.branches.table import read_branches
+    from lapjoint.campaigns.confirm.job import ConfirmJob
+    from lapjoint.campaigns.confirm.spec import confirm_spec
+
+    found = read_branches(branches) if isinstance(branches, str | Path) else branches
+    return run_job(ConfirmJob(confirm_spec(found, solver, dict(options or {}), share, seed)), **running)
+
+
+def statistics(
+    problem: Problem,
+    solver: str = "analytic",
+    *,
+    duration: float | None = None,
+    seeds: int = 1,
+    options: Mapping[str, Any] | None = None,
+    at: Sequence[float] | None = None,
+    quantities: Sequence[str] | None = None,
+    settle: float | None = None,
+    rate: float | None = None,
+    **running: Unpack[Running],
+) -> xr.Dataset:
+    """Peaks, root mean squares, contacts and their distributions of a long motion, or of several realisations of one.
+
+    Parameters
+    ----------
+    problem : Problem
+        The joint.
+    solver : str
+        Entry-point name of the solver.
+    duration : float, optional
+        Duration of each motion, s, with the start that is left out; by default that of the shortest record.
+    seeds : int
+        Number of realisations; more than one needs random excitation.
+    options : mapping, optional
+        Numerical options of the solver.
+    at : sequence of float, optional
+        Places, m; by default those of the stops and of the ends that no support fixes.
+    quantities : sequence of str, optional
+        Of `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration, moment
+        and, where the beam has a section, stress.
+    settle : float, optional
+        The start that is left out, s; by default seven decay times of the slowest mode.
+    rate : float, optional
+        Samples a second, Hz; by default sixteen in a period of the slowest mode.
+    **running : Running
+        Workers, file and progress, and the errors that are raised: see `Running`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Values and their 95 % intervals; `lapjoint.summaries.table` lists the variables.
+
+    Raises
+    ------
+    SolverError
+        If no realisation came to its end.
+    """
+    places = None if at is None else tuple(float(x) for x in at)
+    what = None if quantities is None else tuple(quantities)
+    numerics, whole = dict(options or {}), lasting(problem, duration)
+    spec = Realisations(problem, whole, seeds, solver, numerics, places, what, settle, rate)
+    return run_job(StatisticsJob(spec), **running)
