@@ -11,6 +11,8 @@ that C = S (2 a) S^T with the map S between both sets of modes.
 The matrix of (omega q, q') has its own eigenvalues r and eigenvectors, and a motion without loads is the real part of a
 sum of c exp(r s), with one term for each pair of complex eigenvalues and one for each real one.  Rigid-body modes are
 in no force; their displacement, an integral of their velocity, has a constant or a linear part beside the exponentials.
+Rates are known to the rounding error of the fastest one, so that a motion of the slowest mode keeps eps times the ratio
+of the highest and lowest frequency: 1e-9 where stops stand 1 mm apart on a beam of 1 m.
 
 The force of a damped stop divided by k is the penetration of a point that moves by z + (c / k) z'.  Such a stop has a
 second gap function, with that point: `Model` says which gap functions may switch in a state.

@@ -56,7 +56,8 @@ def check_flow(seed: int) -> None:
     later, at = flow.at(0.3 + t), np.array([0.3 + t])
     n, acceleration = system.omega.size, system.rates(0.3 + t, later)[system.omega.size :]
     amount = 1.0 + float(np.abs(system.still * size).max())  # what free and forced motion cancel from
-    assert np.abs((flow.at(0.3) - y) * size).max() < 1e-9 * amount
+    spread = float(system.omega.max() / system.omega.min())  # eigenvalues are known to rounding of the fastest
+    assert np.abs((flow.at(0.3) - y) * size).max() < (1e-9 + 4 * np.finfo(float).eps * spread) * amount
     assert flow(at, 1)[:, 0] == pytest.approx(later[n:], abs=1e-12)
     assert np.abs(flow(at, 2)[:, 0] - acceleration).max() < 1e-9 * np.abs(acceleration).max()
     P = system.stops.shape[0]
