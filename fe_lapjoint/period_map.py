@@ -88,7 +88,16 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> Arcs:
-        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`."""
+        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`.
+
+        `InputError` is raised where a stop is damped.
+        """
+        if self.model.damped:
+            k = self.model.damped[0]
+            raise InputError(
+                f"stops[{k}].damping = {self.problem.stops[k].damping:g}: branches need stops without damping; steady "
+                "states, sweeps and basins allow it"
+            )
         return Arcs(self.model, self.omega)
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
@@ -182,8 +191,8 @@ class PeriodMap:
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image, with every stop exchanged for its twin. See `lapjoint.orbits.PeriodMap.mirrored`."""
         assert self._twins is not None
-        state = ContactState(tuple(self._twins[k] for k in point.state.closed))
-        return SectionPoint(state, -point.coordinates, point.nodes)
+        closed, released = (tuple(self._twins[k] for k in part) for part in (point.state.closed, point.state.released))
+        return SectionPoint(ContactState(closed, released), -point.coordinates, point.nodes)
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A section point, interpolated to this mesh if it is of another.  See `lapjoint.orbits.PeriodMap.adopted`."""
@@ -270,11 +279,20 @@ class PeriodMap:
         """The section point with the contact state that its displacements imply."""
         model, assembly = self.model, self.model.assembly
         z = assembly.stop_rows @ point.coordinates[0, assembly.free]
-        depth = model.sign * (z + model.system(point.state).seen_motion(np.zeros(1))[:, 0]) - model.gap
+        base = [model.undamped(point.state).seen_motion(np.zeros(1), dt)[:, 0] for dt in (0, 1)]
+        depth = model.sign * (z + base[0]) - model.gap
         free = np.abs(point.coordinates[0, assembly.free])
         unclear = np.abs(depth) <= _TOUCHING * (np.abs(model.gap) + np.abs(assembly.stop_rows) @ free)
         closed = [k for k in range(depth.size) if (k in point.state if unclear[k] else depth[k] > 0)]
-        return SectionPoint(ContactState(tuple(closed)), point.coordinates, point.nodes)
+        released = []
+        rate = assembly.stop_rows @ point.coordinates[1, assembly.free] + base[1]
+        for k in model.damped:
+            stop = self.problem.stops[k]
+            pull = -(depth[k] + stop.damping / stop.stiffness * stop.sign * rate[k])
+            near = _TOUCHING * abs(stop.gap)
+            if not stop.may_pull and pull > (-near if k in point.state.released else near):
+                released.append(k)
+        return SectionPoint(ContactState(tuple(closed), tuple(released)), point.coordinates, point.nodes)
 
 
 def _in_parts(motion: March) -> Iterator[March]:

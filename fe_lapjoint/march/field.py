@@ -7,11 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import Coordinates
 from lapjoint.answers import Contact, History
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.answers.dissipation import with_dissipation
 from lapjoint.problem import FloatArray
 
 
@@ -61,7 +63,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
     pieces = [_later(piece, i * period) for i, motion in enumerate(motions, first) for piece in motion.pieces]
     switches = [i for i, piece in enumerate(pieces) if piece.switched >= 0 and i + 1 < len(pieces)]
     states = [pieces[0].state, *(pieces[i + 1].state for i in switches)]
-    return History(
+    made = History(
         problem=model.problem,
         solver=name,
         start=pieces[0].start,
@@ -72,6 +74,9 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
+    if all(model.system(state).plain for state in states if isinstance(model.system(state), Coupled)):
+        return made
+    return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
 
 
 def _later(piece: Piece, offset: float) -> Piece:
@@ -95,6 +100,7 @@ def _joined(motions: Sequence[March], period: float, first: int) -> tuple[Contac
                     end=contact.end,
                     impulse=before.impulse + contact.impulse,
                     peak_force=max(before.peak_force, contact.peak_force),
+                    dissipated=before.dissipated + contact.dissipated,
                     open_end=contact.open_end,
                 )
             if contact.open_end:

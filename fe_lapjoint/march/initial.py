@@ -16,7 +16,8 @@ from collections.abc import Callable
 import numpy as np
 
 from fe_lapjoint.equilibrium import start_of
-from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.coupled import Coupled
+from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.system import System
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
@@ -45,15 +46,34 @@ def initial_state(model: Model) -> ContactState:
     size = float(np.abs(initial.displacement_at(model.assembly.nodes)).max())
     pressing = {k for k in range(len(stops)) if isinstance(initial, RestingStart) and initial.pressed(k)}
     undecided = {k for k in range(len(stops)) if abs(gaps[k]) <= _DIGITS_LOST * size + of_base[k]} - pressing
-    state = ContactState(tuple(k for k in range(len(stops)) if k in pressing or (k not in undecided and gaps[k] > 0)))
+    closed = tuple(k for k in range(len(stops)) if k in pressing or (k not in undecided and gaps[k] > 0))
+    state = _with_released(model, ContactState(closed))
     for order in range(1, _ORDERS + 1):
         if not undecided:
             break
         rate, error = _derivative(model, state, order)
         known = {k for k in undecided if abs(rate[k]) > error[k]}
         pressed = tuple(k for k in known if model.sign[k] * rate[k] > 0)
-        undecided, state = undecided - known, ContactState(state.closed + pressed)
+        undecided, state = undecided - known, _with_released(model, ContactState(state.closed + pressed))
     return state
+
+
+def _with_released(model: Model, state: ContactState) -> ContactState:
+    """The state with the damped stops released that would pull at t = 0, although they may not."""
+    released = []
+    for k in model.damped:
+        stop, depth, rate = model.problem.stops[k], *_depth_and_rate(model, k)
+        if k in state and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
+            released.append(k)
+    return ContactState(state.closed, tuple(released))
+
+
+def _depth_and_rate(model: Model, k: int) -> tuple[float, float]:
+    """How far the beam is beyond the gap of a stop at t = 0, m, and how fast it goes there, m/s."""
+    initial, stop = start_of(model.problem), model.problem.stops[k]
+    shapes = initial.displacement_at, initial.velocity_at
+    z, rate = (float(shape(np.array(stop.x)) + _base_motion(model, n)[0][k]) for n, shape in enumerate(shapes))
+    return stop.sign * z - stop.gap, stop.sign * rate
 
 
 def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArray, FloatArray]:
@@ -75,6 +95,8 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
                 pull, of_pull = _elastic_forces(model.assembly, system, shape)
             push, of_push = _forces(system, n)
             drag, of_drag = 2 * system.damping_rate * v, 2 * system.damping_rate * of_v
+            if isinstance(system, Coupled):
+                drag, of_drag = system.D @ v, np.abs(system.D) @ of_v
             error = of_push + of_pull + of_drag + _DIGITS_LOST * (np.abs(pull) + np.abs(drag))
             (x, of_x), (v, of_v) = (v, of_v), _cleared(push - pull - drag, error)
         reading = np.abs(system.stops)
@@ -98,7 +120,10 @@ def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
     """A time derivative of the modal forces at t = 0, and its rounding error, kg^1/2 m/s^(2 + order), ``(n,)`` each."""
     power = system.driven**order
     total = system.harmonic @ (power * np.imag(1j**order * np.exp(1j * system.phase)))
-    size = np.abs(system.harmonic).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
+    if isinstance(system, Coupled):
+        total = (system.push @ (power * 1j**order * np.exp(1j * system.phase))).imag
+    loads = system.push if isinstance(system, Coupled) else system.harmonic
+    size = np.abs(loads).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
     parts = [system.constant] if order == 0 else []
     if system.ramps is not None and order < 2:
         parts.append(system.ramps.at(0.0)[order])
@@ -112,7 +137,7 @@ def _elastic_forces(assembly: Assembly, system: System, shape: ShapeFunction) ->
     shape."""
     x, weight = assembly.strain_points
     bent = weight * shape(x, 2)
-    rows, k = assembly.springs(system.state)
+    rows, k = assembly.springs(acting(system.state))
     at_nodes = _nodal(assembly, shape)
     strained, loaded = assembly.curvature @ system.vectors, k[:, None] * (rows @ system.vectors)
     felt = rows @ at_nodes

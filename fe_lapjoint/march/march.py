@@ -17,13 +17,14 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from fe_lapjoint.march.coupled import CoupledFlow, flow_from
 from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
-from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Coordinates, Flow
 from fe_lapjoint.march.ramp_march import RampMotion, follow
-from fe_lapjoint.march.system import SAMPLES, System
+from fe_lapjoint.march.system import SAMPLES, IndexArray, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -54,7 +55,7 @@ class FlowFrom:
     @property
     def flow(self) -> Flow:
         """The flow, bit for bit as it was integrated."""
-        return Flow(self.system, self.start, *self.y.reshape(2, -1))
+        return flow_from(self.system, self.start, self.y)
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
@@ -75,7 +76,8 @@ class Piece:
     coordinates: Coordinates
     """The modal displacements and their derivatives within the piece."""
     switched: int
-    """The stop that switches at the end; -1 if none does."""
+    """The stop that switches at the end; from the number of stops on a damped stop whose force ends or begins, see
+    `Model.after`; -1 if none does."""
 
     @property
     def flow(self) -> Flow | None:
@@ -150,6 +152,8 @@ class _LastingContact:
     """Time integral of the penetration so far, m s."""
     deepest: float = 0.0
     """Largest penetration so far, m."""
+    work: float = 0.0
+    """Energy that a damped stop took so far, J."""
 
 
 @dataclass
@@ -163,9 +167,11 @@ class _PreviousWindow:
     shift: FloatArray
     """Height of each gap function above 0 when its stop switched, m, shape ``(P,)``; used along ramps."""
 
-    def rounding_until_now(self, rounding: FloatArray) -> FloatArray:
-        """The larger of this and the last window's rounding, m, ``(P,)``: a change of state carries rounding over."""
-        larger, self.rounding = np.maximum(rounding, self.rounding), rounding
+    def rounding_until_now(self, rounding: FloatArray, rows: IndexArray | slice) -> FloatArray:
+        """The larger of this and the last window's rounding of some gap functions, m: a change of state carries
+        rounding over."""
+        larger = np.maximum(rounding, self.rounding[rows])
+        self.rounding[rows] = rounding
         return larger
 
 
@@ -185,16 +191,18 @@ def march(
     """March from `start` to `end`, s, in steps from switch to switch.
 
     `y` holds (q, q') at the start in the modes of `state`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``.  `record` says
-    whether contacts are listed, `peaks` whether their peak forces are found, `keep` whether every piece of the motion
-    is kept, or the last alone.  A SolverError is raised if the integrator fails, if there are more than `max_switches`
-    switches, if the switches of one stop crowd (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
+    whether contacts are listed, `peaks` whether their peak forces, and the energies that damped stops take, are found,
+    `keep` whether every piece of the motion is kept, or the last alone.  A SolverError is raised if the integrator
+    fails, if there are more than `max_switches` switches, if the switches of one stop crowd
+    (`fe_lapjoint.march.crowding`), or if the motion takes too much memory.
     """
     window, longest, size = window_of(model, state), longest_window(model, state, end - start), 0.0
     if keep and model.problem.forces.ramps is None:
         size = require_room(model, (end - start) / max(longest, window))
     step, crowd = window / SAMPLES, Crowd(model, window)
-    previous = _PreviousWindow(np.full(model.sign.size, start), np.zeros(model.sign.size), np.zeros(model.sign.size))
-    lasting = {k: _LastingContact(start, True) for k in state.closed}
+    rows = model.sign.size + len(model.damped)
+    previous = _PreviousWindow(np.full(rows, start), np.zeros(rows), np.zeros(rows))
+    lasting = {k: _LastingContact(start, True) for k in acting(state).closed}
     pieces: list[Piece] = []
     contacts: list[Contact] = []
     t, switches, done = start, 0, 0
@@ -211,18 +219,20 @@ def march(
             size = require_room(model, done, size)
         t = piece.end
         if piece.switched >= 0:
-            k, switches = piece.switched, switches + 1
+            row, switches = piece.switched, switches + 1
+            k, new = row if row < model.sign.size else model.damped[row - model.sign.size], model.after(state, row)
             if switches > max_switches:
                 raise SolverError(f"more than {max_switches} switches before t = {t:.6g} s")
             crowd.add(k, t)
             if not record:
                 pass
-            elif k in state:
+            elif k in lasting and k not in acting(new):
                 contacts.append(_contact(model, k, lasting.pop(k), t, open_end=False))
-            else:
+            elif k not in lasting and k in acting(new):
                 lasting[k] = _LastingContact(t, False)
-            new = state.toggled(k)
-            previous.switch[k] = t
+            previous.switch[row] = t
+            if row == k and k in model.damped:
+                previous.switch[model.sign.size + model.damped.index(k)] = t  # at a touch, the force begins near 0
             S = model.transfer(state, new)
             y = (y.reshape(2, -1) @ S.T).ravel()
             state = new
@@ -259,7 +269,7 @@ def window_of(model: Model, state: ContactState) -> float:
     beam = model.problem.beam
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
     if model.method == "exact":
-        omega = model.system(ContactState(tuple(range(model.sign.size)))).omega
+        omega = model.undamped(ContactState(tuple(range(model.sign.size)))).omega
         carried = sum(mass.mass + mass.rotary_inertia / beam.length**2 for mass in model.problem.masses)
         lighter = math.sqrt(1 + carried / (beam.m * beam.length))
         slow = min(slow, lighter * float(omega[omega > 0].min(initial=math.inf)))
@@ -289,15 +299,17 @@ def _advance(
     count = min(SAMPLES, max(1, math.ceil((end - t) / step)))
     until = min(t + count * step, end)
     if model.method == "exact":
-        flow = Flow(system, t, *y.reshape(2, -1))
+        flow = flow_from(system, t, y)
         time, stop, clear = math.inf, -1, True
         if orientation.size:
             # The flow is valid beyond the end of the window, so the last step may reach beyond it, too.
             grid, z = np.asarray(t + step * np.arange(count + 1.0)), flow.at_grid(step, count)
             h = orientation[:, None] * z - offset[:, None]
             gaps = FlowGaps(flow, orientation, offset, step)
-            rounding = previous.rounding_until_now(gaps.rounding)
-            time, stop = gaps.first_switch(grid, h, rounding, previous.switch == t)
+            rows = model.rows(state)
+            rounding = previous.rounding_until_now(gaps.rounding, rows)
+            time, row = gaps.first_switch(grid, h, rounding, previous.switch[rows] == t)
+            stop = row if isinstance(rows, slice) or row < 0 else int(rows[row])
             clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
         return Piece(state, t, until, y, flow, stop), flow.at(until), clear
@@ -324,7 +336,7 @@ def _advance_by_library(
     gaps = SolutionGaps(model.system(state), coordinates, t, end, model.orientation(state), model.offset(state))
     time, stop = math.inf, -1
     if model.sign.size:
-        time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding), previous.switch == t)
+        time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding, slice(None)), previous.switch == t)
     until = end if stop < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
@@ -360,13 +372,20 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
+        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
+            sign, gap = float(model.sign[k]), float(model.gap[k])
+            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
 
 
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
-    """The gap functions of a piece."""
+    """The gap functions of a piece; those of the forces where damped stops are closed."""
     orientation, offset = model.orientation(piece.state), model.offset(piece.state)
-    if piece.flow is not None:
-        return FlowGaps(piece.flow, orientation, offset, (piece.end - piece.start) / SAMPLES)
+    flow, step = piece.flow, (piece.end - piece.start) / SAMPLES
+    if isinstance(flow, CoupledFlow):
+        closed = np.array([-1.0 if k in piece.state else 1.0 for k in range(model.sign.size)])
+        return FlowGaps(flow.of_forces(), closed * model.sign, closed * model.gap, step)
+    if flow is not None:
+        return FlowGaps(flow, orientation, offset, step)
     system = model.system(piece.state)
     return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
 
@@ -377,8 +396,9 @@ def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end:
         stop=k,
         start=it.start,
         end=end,
-        impulse=float(model.sign[k]) * stiffness * max(it.area, 0.0),
+        impulse=float(model.sign[k]) * stiffness * (it.area if model.problem.stops[k].may_pull else max(it.area, 0.0)),
         peak_force=stiffness * max(it.deepest, 0.0),
         open_start=it.open_start,
         open_end=open_end,
+        dissipated=it.work,
     )

@@ -6,13 +6,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fe_lapjoint.march.coupled import Coupled, coupled_system, searched_rows
 from fe_lapjoint.march.ramp_interval import Knots, RampTables, knots_of, ramp_tables
-from fe_lapjoint.march.system import System, build_system, under_other_loads
+from fe_lapjoint.march.system import IndexArray, System, build_system, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.errors import InputError
+from lapjoint.problem import FloatArray, ModalDamping, Problem
 from lapjoint.problem.ramps import Ramps
+
+_ALL = slice(None)
 
 
 @dataclass
@@ -29,6 +33,8 @@ class Model:
     atol: float
     """Absolute tolerance of that method, kg^1/2 m and kg^1/2 m/s."""
     _systems: dict[ContactState, System] = field(default_factory=dict)
+    _undamped: dict[ContactState, System] = field(default_factory=dict)
+    _rows: dict[ContactState, IndexArray] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
     _tables: dict[ContactState, RampTables] = field(default_factory=dict)
     _block: tuple[Ramps, Knots] | None = None
@@ -41,6 +47,18 @@ class Model:
         self.sign = np.array([stop.sign for stop in stops], dtype=float)
         self.gap = np.array([stop.gap for stop in stops], dtype=float)
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
+        self.damped = tuple(k for k, stop in enumerate(stops) if stop.damping > 0)
+        """The damped stops, each of which has a second gap function, of its force; see `fe_lapjoint.march.coupled`."""
+        if self.damped:
+            self._refuse_what_damped_stops_do_not_reach()
+
+    def _refuse_what_damped_stops_do_not_reach(self) -> None:
+        k = self.damped[0]
+        text = f"stops[{k}].damping = {self.problem.stops[k].damping:g}: the finite element solver takes damped stops "
+        if self.problem.forces.ramps is not None:
+            raise InputError(text + "with harmonic and constant forces, and not with records or random motion")
+        if self.method != "exact":
+            raise InputError(text + f"with method = 'exact', and not with {self.method!r}")
 
     def driven(self, problem: Problem) -> Model:
         """This mesh, with all its matrices, for a problem with another size or frequency of the excitation."""
@@ -51,12 +69,45 @@ class Model:
         """One contact state in modal form."""
         system = self._systems.get(state)
         if system is None:
+            coupled = any(k in state for k in self.damped)
+            system = self._systems[state] = self._coupled(state) if coupled else self.undamped(state)
+        return system
+
+    def undamped(self, state: ContactState) -> System:
+        """A contact state as if no stop were damped, and as if stops that have let go were open."""
+        state = acting(state)
+        system = self._undamped.get(state)
+        if system is None:
             if self._alike is None:
                 system = build_system(self.assembly, state)
             else:
-                system = under_other_loads(self._alike.system(state), self.assembly, self.problem)
-            self._systems[state] = system
+                system = under_other_loads(self._alike.undamped(state), self.assembly, self.problem)
+            self._undamped[state] = system
         return system
+
+    def _coupled(self, state: ContactState) -> Coupled:
+        """A contact state in which damped stops are closed."""
+        base, closed = self.undamped(state), ContactState(state.closed)
+        own = np.diag(2 * base.damping_rate)
+        if state.released and isinstance(self.problem.damping, ModalDamping):
+            S = self.transfer(closed, state)
+            own = S @ np.diag(2 * self.undamped(closed).damping_rate) @ S.T
+        alike = None if self._alike is None else self._alike.system(state)
+        assert alike is None or isinstance(alike, Coupled)
+        return coupled_system(base, state, self.problem.stops, own, alike)
+
+    def rows(self, state: ContactState) -> IndexArray | slice:
+        """Which of the gap functions, of ``P`` stops and then of the forces of damped stops, may switch in a state."""
+        if not self.damped:
+            return _ALL
+        rows = self._rows.get(state)
+        if rows is None:
+            rows = self._rows[state] = searched_rows(self.problem.stops, state)
+        return rows
+
+    def after(self, state: ContactState, row: int) -> ContactState:
+        """The state after the switch of a gap function."""
+        return state.toggled(row if row < self.sign.size else ~self.damped[row - self.sign.size])
 
     def ramp_tables(self, state: ContactState, window: float) -> RampTables:
         """Tables of one contact state for the march along sampled forces; `window`, s, is the same in every call."""
@@ -77,17 +128,19 @@ class Model:
     def weighted(self, state: ContactState) -> FloatArray:
         """M Phi of a contact state, kg^1/2, ``(n, n)``; free degrees of freedom multiplied by it give modal
         coordinates."""
-        return weighted(self.assembly, state)
+        return weighted(self.assembly, acting(state))
 
     def transfer(self, old: ContactState, new: ContactState) -> FloatArray:
         """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, which maps modal coordinates between states."""
         matrix = self._maps.get((old, new))
         if matrix is None:
-            matrix = self._maps[old, new] = transfer(self.assembly, old, new)
+            one, other = acting(old), acting(new)
+            matrix = np.eye(self.assembly.free.size) if one == other else transfer(self.assembly, one, other)
+            self._maps[old, new] = matrix
         return matrix
 
     def orientation(self, state: ContactState) -> FloatArray:
-        """Signs, ``(P,)``, with which ``orientation * z - offset`` rises through 0 at the next switch of each stop."""
+        """Signs, ``(P,)``, one for each of `rows`: ``orientation * z - offset`` rises through 0 at the next switch."""
         return self._signs(state)[0]
 
     def offset(self, state: ContactState) -> FloatArray:
@@ -99,5 +152,16 @@ class Model:
         if signs is None:
             closed = np.array([k in state for k in range(self.sign.size)], dtype=bool)
             direction = np.where(closed, -1.0, 1.0)
-            signs = self._gaps[state] = direction * self.sign, direction * self.gap
+            signs = direction * self.sign, direction * self.gap
+            if self.damped:
+                stop = [*range(self.sign.size), *self.damped]
+                presses = np.array([-1.0 if k in state and k not in state.released else 1.0 for k in self.damped])
+                both, rows = np.concatenate([direction, presses]), self.rows(state)
+                signs = (both * self.sign[stop])[rows], (both * self.gap[stop])[rows]
+            self._gaps[state] = signs
         return signs
+
+
+def acting(state: ContactState) -> ContactState:
+    """The state with the stops that have let go open: its modes are those of the springs that act."""
+    return ContactState(tuple(k for k in state.closed if k not in state.released)) if state.released else state

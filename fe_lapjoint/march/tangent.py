@@ -16,17 +16,22 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import qr
 
+from fe_lapjoint.march.coupled import Coupled, CoupledFlow
 from fe_lapjoint.march.march import March, Piece
-from fe_lapjoint.march.model import Model
+from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.propagator import free_response
-from fe_lapjoint.march.system import IndexArray, System
+from fe_lapjoint.march.system import ComplexArray, IndexArray, System
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.segments import Segment
 from lapjoint.problem import FloatArray
 
+Array = TypeVar("Array", FloatArray, ComplexArray)
 DEAD = 40.0
 """Decay time constants after which a mode has died out: exp(-40) is below the rounding of the other modes."""
 _ALIVE = 0.75
@@ -140,6 +145,8 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
     """A piece as a sum of exponentials, and the deviations at its start as sums of these exponentials."""
     assert piece.flow is not None
     system, flow = model.system(piece.state), piece.flow
+    if isinstance(system, Coupled):
+        return _coupled_segment(model, system, piece, here)
     q, v = np.split(here.columns, 2)
     free_q, free_v = (part[:, None] for part in flow.free)
     rates, modes = system.exponentials
@@ -151,15 +158,59 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
     deviations, drift = terms[:, :-1], drift[:, :, :-1]
     if here.rest is not None:
         deviations, drift = deviations @ here.rest, drift @ here.rest
+    weights = np.concatenate([system.stops[:, modes].astype(complex), system.stop_amplitudes], axis=1)
     return Segment(
         start=piece.start,
         end=piece.end,
-        closed=np.array([k in piece.state for k in range(len(system.stops))], dtype=bool),
+        closed=_closed_rows(model, piece.state),
         rates=np.concatenate([rates, 1j * system.driven]),
-        weights=np.concatenate([system.stops[:, modes].astype(complex), system.stop_amplitudes], axis=1),
+        weights=_with_forces(model, weights),
         amplitudes=np.concatenate([terms[:, -1], loads]),
-        polynomial=polynomial,
+        polynomial=_with_forces(model, polynomial),
         deviations=deviations,
+        drift=_with_forces(model, drift),
+        switched=piece.switched,
+    )
+
+
+def _closed_rows(model: Model, state: ContactState) -> npt.NDArray[np.bool_]:
+    """Whether each stop is closed, and then whether the force of each damped stop acts, shape ``(P + D,)``."""
+    presses = acting(state)
+    return np.array([*(k in state for k in range(model.sign.size)), *(k in presses for k in model.damped)], dtype=bool)
+
+
+def _with_forces(model: Model, values: Array) -> Array:
+    """Values of the stops along the first axis, and zeros for the forces of damped stops, all of which are open."""
+    if not model.damped:
+        return values
+    return np.concatenate([values, np.zeros((len(model.damped), *values.shape[1:]), dtype=values.dtype)])
+
+
+def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviations) -> Segment:
+    """`_segment` of a piece in which damped stops are closed."""
+    flow = piece.flow
+    assert isinstance(flow, CoupledFlow)
+    columns = here.columns if here.rest is None else here.columns @ here.rest
+    known = (system.row_places >= 0)[:, None]
+    places, delay = np.where(known, system.places[system.row_places], 0.0), system.delay[system.row_places][:, None]
+    rates = system.rates_of_terms[:-1]
+    weights = np.where(known, system.shares[system.row_places, :-1], 0.0)
+    polynomial, drift = np.zeros((known.size, 3)), np.zeros((known.size, 2, columns.shape[1]))
+    still = flow.polynomial
+    polynomial[:] = places @ still
+    polynomial[:, :2] += delay * (places @ (still[:, 1:] * [1.0, 2.0]))
+    if system.free.rest is not None:
+        place, speed = system.free.rest @ columns
+        drift[:, 0], drift[:, 1] = places @ place + delay * (places @ speed), places @ speed
+    return Segment(
+        start=piece.start,
+        end=piece.end,
+        closed=_closed_rows(model, piece.state),
+        rates=rates,
+        weights=weights,
+        amplitudes=flow.amplitudes,
+        polynomial=polynomial,
+        deviations=system.free.back @ columns,
         drift=drift,
         switched=piece.switched,
     )
@@ -167,6 +218,8 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
 
 def _flow(system: System, s: float, deviations: FloatArray, count: int) -> FloatArray:
     """Deviations ``(2 n, m)`` after `s` seconds within one state, of the first `count` modes; the others are zero."""
+    if isinstance(system, Coupled):
+        return system.flown(s, deviations)
     C, S = responses(system, s, count)
     a, n = system.damping_rate[:count, None], system.omega.size
     q, v = deviations[:count], deviations[n : n + count]
@@ -191,16 +244,23 @@ def _jump(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, co
 
     The columns before the switch hold the first `count` modes alone.
     """
-    state, k, n = piece.state, piece.switched, after.size // 2
-    old, new = model.system(state), model.system(state.toggled(k))
-    S = model.transfer(state, state.toggled(k))
+    state, n = piece.state, after.size // 2
+    following = model.after(state, piece.switched)
+    old, new, S = model.system(state), model.system(following), model.transfer(state, following)
 
     def mapped(vectors: FloatArray, count: int) -> FloatArray:
         return np.concatenate([S[:, :count] @ vectors[:count], S[:, :count] @ vectors[n : n + count]])
 
     y = (after.reshape(2, -1) @ S).ravel()  # S is orthogonal
-    row = model.orientation(state)[k] * old.stops[k]
-    change = mapped(old.rates(piece.end, y), n) - new.rates(piece.end, after)
-    seen = model.orientation(state)[k] * old.seen_motion(np.array([piece.end]), 1)[k, 0]
-    delay = -(row @ columns[:n]) / (row @ y[n:] + seen)
+    rates, at = old.rates(piece.end, y), np.array([piece.end])
+    change = mapped(rates, n) - new.rates(piece.end, after)
+    if piece.switched < model.sign.size:
+        row = old.stops[piece.switched]
+        delay = -(row @ columns[:n]) / (row @ y[n:] + old.seen_motion(at, 1)[piece.switched, 0])
+    else:  # a force ends or begins where z + (c / k) z' is at the gap
+        k = model.damped[piece.switched - model.sign.size]
+        lag = model.problem.stops[k].damping / model.stiffness[k]
+        row = np.concatenate([old.stops[k], lag * old.stops[k]])
+        seen = old.seen_motion(at, 1)[k, 0] + lag * old.seen_motion(at, 2)[k, 0]
+        delay = -(row @ columns) / (row @ rates + seen)
     return np.asarray(np.multiply.outer(change, delay) + mapped(columns, count))

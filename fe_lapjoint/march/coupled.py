@@ -1,0 +1,424 @@
+r"""Contact states in which a damped stop is closed: the mesh as a first-order system, by its own exponentials.
+
+In the modes of the mesh with the springs that act, frequencies omega_i and values phi_k at stop k, the motion obeys
+
+    q'' + D q' + omega^2 q = f(t),    D = C + sum over pressing damped stops of c_k phi_k phi_k^T.
+
+A stop that has let go has no spring here.  C is that of the problem: 2 a in each mode where damping is the same in all
+states; under modal damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so
+that C = S (2 a) S^T with the map S between both sets of modes.
+
+The matrix of (omega q, q') has its own eigenvalues r and eigenvectors, and a motion without loads is the real part of a
+sum of c exp(r s), with one term for each pair of complex eigenvalues and one for each real one.  Rigid-body modes are
+in no force; their displacement, an integral of their velocity, has a constant or a linear part beside the exponentials.
+Rates are known to the rounding error of the fastest one, so that a motion of the slowest mode keeps eps times the ratio
+of the highest and lowest frequency: 1e-9 where stops stand 1 mm apart on a beam of 1 m.
+
+The force of a damped stop divided by k is the penetration of a point that moves by z + (c / k) z'.  Such a stop has a
+second gap function, with that point: `Model` says which gap functions may switch in a state.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg
+
+from fe_lapjoint.march.compiled import integrals
+from fe_lapjoint.march.envelope import Envelope
+from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import ComplexArray, IndexArray, System
+from lapjoint.answers.contact_state import ContactState
+from lapjoint.problem import FloatArray, Stop
+
+_SKEW = 3e6
+"""Condition number of the eigenvectors from which on results keep fewer than nine digits: two of them nearly coincide.
+"""
+_APART = 1e-13
+"""Relative change of the stops' damping that parts two such eigenvalues, by its square root; doubled until it does."""
+_ATTEMPTS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Exponentials:
+    """The free motions of a state with ``n`` modes as ``T`` terms c exp(r s), of which the real part counts."""
+
+    rates: ComplexArray
+    """Rates r, 1/s, shape ``(T,)``."""
+    modes: ComplexArray
+    """Modal displacements of each term of unit amplitude, kg^1/2 m, shape ``(n, T)``."""
+    back: ComplexArray
+    """Amplitudes c for units of (q, q') at the start, shape ``(T, 2 n)``."""
+    rest: FloatArray | None
+    """Displacement and speed of rigid-body modes beside the terms for units of (q, q'), shape ``(2, n, 2 n)``; None
+    without such modes."""
+
+
+def exponentials(omega: FloatArray, own: FloatArray, pressing: FloatArray) -> Exponentials:
+    """The free motions of q'' + D q' + omega^2 q = 0, of frequencies ``(n,)`` and matrices D = own + pressing, 1/s.
+
+    Where two eigenvectors nearly coincide, as at critical damping, `pressing` is changed by as little as parts them.
+    """
+    best, least = None, math.inf
+    for i in range(_ATTEMPTS):
+        found, skew = _exponentials(omega, own + pressing * (1 + (_APART * 2**i if i else 0.0)))
+        if best is None or skew < least:
+            best, least = found, skew
+        if skew < _SKEW:
+            break
+    assert best is not None
+    return best
+
+
+def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float]:
+    """`exponentials` of a matrix D, and the condition number of the eigenvectors."""
+    n = omega.size
+    bends, dragged = omega > 0, np.any(D != 0, axis=0)
+    e, moving = np.flatnonzero(bends), np.flatnonzero(bends | dragged)
+    s, m = omega[e], e.size
+    A = np.zeros((m + moving.size, m + moving.size))
+    at = m + np.searchsorted(moving, e)
+    A[np.arange(m), at] = s
+    A[at, np.arange(m)] = -s
+    A[m:, m:] = -D[np.ix_(moving, moving)]
+    values, vectors = scipy.linalg.eig(A)
+    inverse = np.linalg.inv(vectors)
+    skew = float(np.linalg.norm(vectors, 2) * np.linalg.norm(inverse, 2)) if values.size else 1.0
+    upper = np.flatnonzero(values.imag >= 0)
+    rates, vectors = values[upper], vectors[:, upper]
+    inverse = inverse[upper] * np.where(rates.imag > 0, 2.0, 1.0)[:, None]
+    rates = np.minimum(rates.real, 0.0) + 1j * rates.imag
+    modes, back = np.zeros((n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
+    modes[moving] = vectors[m:] / rates
+    modes[e] = vectors[:m] / s[:, None]
+    back[:, e], back[:, n + moving] = inverse[:, :m] * s, inverse[:, m:]
+    if bends.all():
+        return Exponentials(rates, modes, back, None), skew
+    rest, rigid = np.zeros((2, n, 2 * n)), np.flatnonzero(~bends)
+    rest[0, rigid] = -(modes[rigid] @ back).real
+    rest[0, rigid, rigid] += 1.0
+    alone = np.flatnonzero(~bends & ~dragged)
+    rest[1, alone, n + alone] = 1.0
+    return Exponentials(rates, modes, back, rest), skew
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Coupled(System):
+    """A state in which damped stops are closed; `System` says what the fields are where this class says nothing else.
+
+    The places are the positions of the ``P`` stops, and then the points of closed damped stops that read z + (c / k)
+    z'.  `place_of` is the place of each gap function that may switch, as `Model.rows` lists them.
+    """
+
+    D: FloatArray
+    """Damping matrix, 1/s, shape ``(n, n)``."""
+    free: Exponentials
+    delay: FloatArray
+    """c / k of the points that read z + (c / k) z', and 0 of the positions, s, shape ``(p,)``."""
+    force_place: IndexArray
+    """The place whose penetration times the stiffness is the force of each stop, shape ``(P,)``."""
+    push: ComplexArray
+    """Complex amplitudes of the loads, with those of dampers that move with the base, kg^1/2 m/s2, ``(n, H)``."""
+    row_places: IndexArray
+    """The place of each gap function, or -1 for one of an open stop that reads z + (c / k) z', ``(P + D,)``."""
+
+    @cached_property
+    def of_forces(self) -> Coupled:
+        """The same state, whose gap functions are those of the forces of the stops, shape ``(P,)``."""
+        return replace(self, place_of=self.force_place)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether the terms are the whole motion: there are no rigid-body modes."""
+        return self.free.rest is None
+
+    @cached_property
+    def all_ring(self) -> bool:
+        """Whether the terms of a place's motion, which bound it themselves, are the whole motion."""
+        return self.plain
+
+    @cached_property
+    def slowest_decay(self) -> FloatArray:
+        """0 for each mode: its motion is a sum of all exponentials; 1/s, shape ``(n,)``."""
+        return np.zeros_like(self.omega)
+
+    @cached_property
+    def steady(self) -> FloatArray:
+        """Displacement, speed, and half the acceleration under the constant forces, shape ``(n, 3)``."""
+        made, f, rigid = np.zeros((self.omega.size, 3)), self.constant, self.omega == 0
+        dragged = np.flatnonzero(rigid & np.any(self.D != 0, axis=0))
+        made[dragged, 1] = np.linalg.solve(self.D[np.ix_(dragged, dragged)], f[dragged])
+        made[:, 2] = np.where(rigid, f, 0.0) / 2
+        made[dragged, 2] = 0.0
+        made[:, 0] = np.where(rigid, 0.0, (f - self.D @ made[:, 1]) / np.where(rigid, 1.0, self.omega) ** 2)
+        return made
+
+    @cached_property
+    def amplitudes(self) -> ComplexArray:
+        """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
+        found = np.zeros(self.push.shape, dtype=complex)
+        for h, w in enumerate(self.driven.tolist()):
+            found[:, h] = np.linalg.solve(np.diag(self.omega**2 - w**2) + 1j * w * self.D, self.push[:, h])
+        return found
+
+    @cached_property
+    def place_amplitudes(self) -> ComplexArray:
+        """Complex amplitudes of the forced motion that the gaps at the places see, m, shape ``(p, H)``."""
+        return np.asarray((self.places @ self.amplitudes + self.seen) * (1 + 1j * np.outer(self.delay, self.driven)))
+
+    @cached_property
+    def shares(self) -> ComplexArray:
+        """Factor of each term in the motion of the places: free terms, loads, constant; shape ``(p, terms)``."""
+        free = self.places @ self.free.modes * (1 + np.outer(self.delay, self.free.rates))
+        still = self.places @ self.steady[:, 0] + self.delay * (self.places @ self.steady[:, 1])
+        return np.ascontiguousarray(np.concatenate([free, -1j * self.place_amplitudes, still[:, None]], axis=1))
+
+    @cached_property
+    def moduli_of_shares(self) -> FloatArray:
+        """Moduli of the `shares`, and of the places for units of (q, q'), shape ``(p, terms + 2 n)``."""
+        own = np.abs(self.places)
+        return np.concatenate([np.abs(self.shares), own, self.delay[:, None] * own], axis=1)
+
+    @cached_property
+    def rates_of_terms(self) -> ComplexArray:
+        """Rates r of the terms exp(r t) of a place's motion: free terms, loads, constant; 1/s, ``(terms,)``."""
+        return np.concatenate([self.free.rates, 1j * self.driven, [0.0]])
+
+    @cached_property
+    def swinging(self) -> FloatArray:
+        """Moduli of `rates_of_terms`, 1/s: each term stays below its amplitude; shape ``(terms,)``."""
+        return np.abs(self.rates_of_terms)
+
+    @cached_property
+    def fading(self) -> FloatArray:
+        """Rates at which the bounds of `Flow.envelope` fall, 1/s: terms without the constant, and rigid-body modes."""
+        return np.concatenate([-self.rates_of_terms[:-1].real, np.zeros(0 if self.plain else 1)])
+
+    @cached_property
+    def bounded_shares(self) -> FloatArray:
+        """Moduli of the factors of these bounds in the motion of the places, ``(p, bounds)``."""
+        fall = [] if self.plain else [2 * np.abs(self.places) @ np.abs(self.steady[:, 2:])]
+        return np.ascontiguousarray(np.concatenate([np.abs(self.shares[:, :-1]), *fall], axis=1))
+
+    @cached_property
+    def motion(self) -> ComplexArray:
+        """(q, q') for each term of unit amplitude: free terms, loads; shape ``(2 n, terms - 1)``."""
+        q = np.concatenate([self.free.modes, -1j * self.amplitudes], axis=1)
+        return np.concatenate([q, q * self.rates_of_terms[:-1]])
+
+    @cached_property
+    def still(self) -> FloatArray:
+        """(q, q') under the constant forces at the start, shape ``(2 n,)``."""
+        return np.concatenate([self.steady[:, 0], self.steady[:, 1]])
+
+    def rates(self, t: float, y: FloatArray) -> FloatArray:
+        """d(q, q')/dt at time `t`, s, from `y` = (q, q'), shape ``(2 n,)``."""
+        q, v = y[: self.omega.size], y[self.omega.size :]
+        force = self.constant + (self.push @ np.exp(1j * (self.driven * t + self.phase))).imag
+        return np.concatenate([v, force - self.D @ v - self.omega**2 * q])
+
+    def flown(self, s: float, deviations: FloatArray) -> FloatArray:
+        """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later."""
+        n = self.omega.size
+        waves = np.exp(self.free.rates * s)[:, None] * (self.free.back @ deviations)
+        result = (self.motion[:, : waves.shape[0]] @ waves).real
+        if self.free.rest is not None:
+            place, speed = self.free.rest @ deviations
+            result[:n] += place + speed * s
+            result[n:] += speed
+        return np.asarray(result)
+
+
+class CoupledFlow(Flow):
+    """The exact motion of a `Coupled` state; see `Flow`."""
+
+    system: Coupled
+
+    def __init__(self, system: Coupled, start: float, q: FloatArray, v: FloatArray) -> None:
+        self.system, self.start, self.q, self.v = system, start, q, v
+        y, T = np.concatenate([q, v]), system.free.rates.size
+        loads = np.exp(1j * (system.driven * start + system.phase))
+        own = y - system.still - (system.motion[:, T:] @ loads).real
+        self._amplitudes = np.concatenate([system.free.back @ own, loads, [1.0]])
+        self._moduli = np.abs(self._amplitudes)
+        self.terms = system.shares * self._amplitudes
+        self._sizes = system.moduli_of_shares @ np.concatenate([self._moduli, np.abs(y)])
+        self.free = own.reshape(2, -1)
+        self._rest = None
+        if system.free.rest is not None:
+            self._rest = system.steady * [0.0, 1.0, 1.0]
+            self._rest[:, :2] += (system.free.rest @ own).T
+
+    _rest: FloatArray | None
+    """Coefficients of 1, s, s^2 in the modal displacements beside the terms, shape ``(n, 3)``."""
+
+    @property
+    def amplitudes(self) -> ComplexArray:
+        """Amplitudes of the free terms and of the loads at the start, shape ``(terms - 1,)``."""
+        return self._amplitudes[:-1]
+
+    @property
+    def polynomial(self) -> FloatArray:
+        """Coefficients of 1, s, s^2 in the modal displacements beside the exponentials, shape ``(n, 3)``."""
+        still = self.system.steady * [1.0, 0.0, 0.0]
+        return still if self._rest is None else still + self._rest
+
+    def of_forces(self) -> CoupledFlow:
+        """This motion, read at the places of the forces of the stops."""
+        made = copy.copy(self)
+        made.system = self.system.of_forces
+        made.__dict__.pop("rounding", None)  # which is of the gap functions that are read
+        return made
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
+        it, s = self.system, np.asarray(t - self.start, dtype=float)
+        n, rates = it.omega.size, it.rates_of_terms[:-1]
+        terms = (self._amplitudes[:-1] * rates**dt)[:, None] * np.exp(np.multiply.outer(rates, s))
+        result = (it.motion[:n] @ terms).real
+        if dt == 0:
+            result += it.steady[:, :1]
+        return np.asarray(result if self._rest is None else result + self._rest @ _powers_of(s, dt))
+
+    def at(self, t: float) -> FloatArray:
+        """(q, q') at time `t`, s: kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
+        it, s = self.system, t - self.start
+        n, waves = it.omega.size, np.exp(it.rates_of_terms[:-1] * s)
+        y = (it.motion @ (self._amplitudes[:-1] * waves)).real
+        y[:n] += it.steady[:, 0]
+        if self._rest is not None:
+            y[:n] += self._rest @ [1.0, s, s * s]
+            y[n:] += self._rest @ [0.0, 1.0, 2 * s]
+        return np.asarray(y)
+
+    def _beside(self, s: FloatArray, dt: int) -> FloatArray:
+        """The `dt`-th derivative of the motion of the places beside the terms and the constant, ``(p, m)``."""
+        assert self._rest is not None
+        it = self.system
+        rest = self._rest @ _powers_of(s, dt), self._rest @ _powers_of(s, dt + 1)
+        found = it.places @ rest[0] + it.delay[:, None] * (it.places @ rest[1])
+        if dt == 0:  # the constant term has the speed of the constant forces already
+            found -= (it.delay * (it.places @ it.steady[:, 1]))[:, None]
+        return np.asarray(found)
+
+    def _with_others(self, z: FloatArray, t: FloatArray, dt: int) -> FloatArray:
+        """Motion of the gap functions' places, ``(P, m)``, from the terms of all places."""
+        it = self.system
+        return np.asarray((z if it.plain else z + self._beside(t - self.start, dt))[it.place_of])
+
+    def _with_other_rates(self, both: tuple[float, float], k: int, t: float) -> tuple[float, float]:
+        """A displacement and its rate with the motion of rigid-body modes, m and m/s."""
+        it = self.system
+        if it.plain:
+            return both
+        s, u = np.array([t - self.start]), it.place_of[k]
+        return both[0] + float(self._beside(s, 0)[u, 0]), both[1] + float(self._beside(s, 1)[u, 0])
+
+    def integral_at_stops(self, end: float) -> FloatArray:
+        """The time integral of z at the stops from the start to `end`, m s, shape ``(P,)``; of a closed damped stop,
+        that of z + (c / k) z'."""
+        it, T = self.system, end - self.start
+        areas = integrals(self.terms, it.rates_of_terms, T)
+        if self._rest is not None:
+            rest = it.places @ self._rest
+            still = it.places @ it.steady[:, 1]
+            areas += rest @ [T, T**2 / 2, T**3 / 3] + it.delay * (rest[:, 1] * T + rest[:, 2] * T**2 - still * T)
+        return np.asarray(areas[it.force_place])
+
+    def work_on(self, k: int, sign: float, gap: float, end: float) -> float:
+        """The integral of (z + (c / k) z' - sign gap) z' at closed damped stop `k` to `end`, m2: times the stiffness,
+        the energy that the stop takes.
+
+        Products of terms are exponentials again.  `Coupled.plain` is required.
+        """
+        it, T = self.system, end - self.start
+        rates = it.rates_of_terms
+        one, other = self.terms[it.force_place[k]].copy(), self.terms[it.row_places[k]] * rates
+        one[-1] -= sign * gap  # the last term is constant
+
+        def integral(sums: ComplexArray) -> ComplexArray:
+            still = sums == 0
+            return np.where(still, T, np.expm1(sums * T) / np.where(still, 1.0, sums))
+
+        both = one @ integral(rates[:, None] + rates) @ other
+        crossed = one @ integral(rates[:, None] + rates.conj()) @ other.conj()
+        return float(both.real + crossed.real) / 2
+
+    @cached_property
+    def envelope(self) -> Envelope:
+        """Bounds on the motion of the places, one for each term but the constant, and one for rigid-body modes."""
+        it = self.system
+        value, fall = self._moduli[:-1], [] if it.plain else [np.inf]
+        slope = value * it.moduli
+        bend = [] if it.plain else [1.0]
+        return Envelope(
+            self.start,
+            it.fading,
+            it.bounded_shares,
+            np.concatenate([value, fall]),
+            np.concatenate([slope, fall]),
+            np.concatenate([slope * it.moduli, bend]),
+        )
+
+
+def _powers_of(s: FloatArray, dt: int) -> FloatArray:
+    """The `dt`-th derivatives (0 to 3) of 1, s and s^2, shape ``(3, m)``."""
+    zero, one = np.zeros_like(s), np.ones_like(s)
+    rows = [(one, s, s * s), (zero, one, 2 * s), (zero, zero, 2 * one), (zero, zero, zero)]
+    return np.array(rows[dt])
+
+
+def coupled_system(
+    base: System, state: ContactState, stops: Sequence[Stop], own: FloatArray, alike: Coupled | None
+) -> Coupled:
+    """A state in which damped stops are closed, from the one in which the springs that act are closed stops.
+
+    `own` is the damping matrix without the stops, 1/s, ``(n, n)``. `alike` differs by the loads at most: if its
+    frequencies are those of `base`, its free motions are taken.
+    """
+    damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
+    closed = [k for k in damped if k in state]
+    pressing, push = np.zeros_like(own), base.harmonic.astype(complex)
+    for k in closed:
+        if k not in state.released:
+            phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
+            pressing += stops[k].damping * np.outer(phi, phi)
+            push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
+    D = own + pressing
+    places, P = base.places.shape[0], len(stops)
+    force_place, row_places = base.place_of.copy(), np.full(P + len(damped), -1)
+    row_places[:P] = base.place_of
+    for i, k in enumerate(closed):
+        force_place[k] = row_places[P + damped.index(k)] = places + i
+    given = {field.name: getattr(base, field.name) for field in fields(System)}
+    given |= {"state": state, "places": np.concatenate([base.places, base.stops[closed]])}
+    given["seen"] = np.concatenate([base.seen, base.seen[base.place_of[closed]]])
+    given["place_of"] = row_places[searched_rows(stops, state)]
+    same = alike is not None and alike.omega is base.omega
+    return Coupled(
+        **given,
+        D=D,
+        free=alike.free if alike is not None and same else exponentials(base.omega, own, pressing),
+        delay=np.array([*np.zeros(places), *(stops[k].damping / stops[k].stiffness for k in closed)]),
+        force_place=force_place,
+        push=push,
+        row_places=row_places,
+    )
+
+
+def searched_rows(stops: Sequence[Stop], state: ContactState) -> IndexArray:
+    """The gap functions that may switch: those of all stops, and those of the forces of closed stops that end."""
+    damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
+    forces = [i for i, k in enumerate(damped, len(stops)) if k in state and not stops[k].may_pull]
+    return np.array([*range(len(stops)), *forces], dtype=np.intp)
+
+
+def flow_from(system: System, start: float, y: FloatArray) -> Flow:
+    """The exact motion of a state from (q, q') at `start`, s, on, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
+    made = CoupledFlow if isinstance(system, Coupled) else Flow
+    return made(system, start, *y.reshape(2, -1))  # type: ignore[arg-type]
