@@ -154,7 +154,7 @@ def test_every_fence_and_formula_is_closed() -> None:
         ("title", "wear = 0.1\ntitle"),
         ("[beam]", "[[beam]]"),
         ("450.0 ", "[450.0, 900.0]"),
-        ("gap = 1e-3", "gap = 1e-3\ndamping = 3.0"),
+        ("gap = 1e-3", "gap = 1e-3\nrestitution = 0.7"),
         ("gap = 1e-3", "gap = 1e-3\nfriction = 0.3"),
     ],
 )

@@ -48,6 +48,7 @@ UNITS = {
     "inner_diameter": "m",
     "amplitude": "m",
     "stiffness": "N m-1",
+    "damping": "N s m-1",
     "translational": "N m-1",
     "torsional": "N m rad-1",
     "bending_stiffness": "N m2",

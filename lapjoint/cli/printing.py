@@ -89,7 +89,7 @@ def print_history(history: History) -> None:
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
-    _print_dissipated(history, 1, "Energy lost in damped stops in all [J]")
+    _print_dissipated(history, 1, "Energy lost in damped stops in all [J], no error estimated")
     if contacts:
         print_source(history.error_source)
 
@@ -127,7 +127,11 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
     if found.period_multiple:
-        _print_dissipated(found.history, found.period_multiple, "Energy lost in damped stops per excitation period [J]")
+        _print_dissipated(
+            found.history,
+            found.period_multiple,
+            "Energy lost in damped stops per excitation period [J], no error estimated",
+        )
     _print_summary(found, at)
     if found.problem.stops or found.impulse_errors is not None:
         print_source(found.error_source)

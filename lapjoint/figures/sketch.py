@@ -186,7 +186,9 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
     for stop, name in zip(problem.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
         gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
-        numbers = (gap, _number("k", stop.stiffness, "N/m"), *(("fixed in space",) * (stop.fixed_to == "space")))
+        numbers = [gap, _number("k", stop.stiffness, "N/m")]
+        numbers += [_number("c", stop.damping, "N s/m")] if stop.damping else []
+        numbers += ["fixed in space"] if stop.in_space else []
         x, y, text = stop.x * scale, stop.sign * 1.0, "\n".join((short, *numbers))
         _ = (
             page.say(x + 0.36, y, text, _STOP)

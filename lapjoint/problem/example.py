@@ -54,6 +54,7 @@ x = 2.5                       # m, within the beam
 side = "bottom"               # "bottom" acts at z < -gap, "top" at z > gap
 gap = 1e-3                    # m; below 0 an interference: the stop presses the straight beam
 stiffness = 1.476e8           # N/m, > 0; here 1200 times 3 EI / length^3
+# damping = 4e3               # N s/m, of a damper beside the spring, 0 by default; may_pull = true lets both pull
 # fixed_to = "space"          # "base" by default: the stop moves with the base; in "space" the gap sees z + y
 
 [[stops]]

@@ -104,7 +104,7 @@ def test_everything_that_rests_on_a_joint_is_in_its_sketch() -> None:
         masses=(Mass(x=0.6, mass=0.8, rotary_inertia=4e-4, name="clevis"),),
         stops=(
             Stop(x=0.3, side="bottom", gap=-1e-5, stiffness=2e6),
-            Stop(x=0.45, side="top", gap=1e-3, stiffness=1e6, fixed_to="space"),
+            Stop(x=0.45, side="top", gap=1e-3, stiffness=1e6, damping=70.0, fixed_to="space"),
         ),
         gravity=Gravity(acceleration=-9.81),
         uniform_loads=(UniformLoad(start=0.1, to=0.25, force_per_length=-30.0),),
@@ -112,7 +112,7 @@ def test_everything_that_rests_on_a_joint_is_in_its_sketch() -> None:
     drawn = " ".join(texts(plot_joint(joint)))
     for part in ("clevis", "m 0.8 kg", "J 0.0004 kg m2", "interference 1e-05 m", "fixed in space", "9.81 m/s2"):
         assert part in drawn
-    for part in ("-30 N/m", "0.2", "gap 0.001 m"):
+    for part in ("-30 N/m", "0.2", "gap 0.001 m", "c 70 N s/m"):
         assert part in drawn
 
 
