@@ -5,8 +5,9 @@ motion y = (q, q') is the forced motion p and a free one,
 
     y(t + d) = p(t + d) + F(d) (y(t) - p(t)),
 
-and the orthogonal map S takes it from the modes of one contact state to those of the next.  The derivative of the start
-of the second arc by the time of the switch between two arcs, with all other times fixed, is
+and the orthogonal map S takes it from the modes of one contact state to those of the next.  If the switch
+between two arcs comes later, all other times fixed, the motion of the second arc changes, at a fixed time just after
+the switch, at the rate
 
     S f- - f+ = (0, S q''- - q''+),
 
@@ -100,10 +101,10 @@ class Arcs:
             t += duration
 
     def _derivatives(self, arcs: list[_Arc]) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of the end and of the events, ``(n_M, n + M + 1)`` and ``(M, n + M + 1)``.
+        """Derivatives of the end and of the events, ``(2 n, 2 n + M + 1)`` and ``(M, 2 n + M + 1)``, for ``n`` modes.
 
-        Carried along are the modes that are alive at the end of each arc.  Their deviations are by the start's
-        coordinates that are alive at the end of the first arc, and by the times of the ends of arcs.
+        Only modes whose free motion has not died out by the end of an arc are carried.  The columns are derivatives by
+        the start's coordinates that are alive at the end of the first arc, and by the times of the ends of arcs.
         """
         first, last, n = arcs[0], arcs[-1], arcs[-1].system.omega.size
         there = np.zeros((first.alive, 2, 2 * first.alive + len(arcs)))

@@ -74,8 +74,10 @@ def run_job(
 
 
 def stored(spec: Spec, out: str | Path, *, force: bool = False) -> xr.Dataset | None:
-    """The finished dataset of a campaign from its file; None if there is no such file, or if it is something else that
-    may be thrown away, with `force`; without, that is an InputError."""
+    """The finished dataset of a campaign from its file; None if there is no such file.
+
+    A file that holds something else is an InputError, or None with `force`.
+    """
     if not Path(out).exists():
         return None
     try:

@@ -1,4 +1,4 @@
-"""The test of whether a march is bound for a stable orbit: whether it is certain to converge to the orbit.
+"""The test of whether a march is bound for a stable orbit: whether it converges to the orbit, by conditions.
 
 Let e be the deviation of the march from the orbit now, and M the derivative of the orbit's period map.  After k periods
 of the orbit the deviation is e_k = M^k e, provided that the march makes exactly the switches of the orbit.  It makes
@@ -18,8 +18,8 @@ The first e_k are tested one by one.  For late k only the slow eigenvectors V of
 
     |D e_k| <= sum_i |D V_i| |lambda_i|^K |a_i|,    a = V^-1 e,    k >= K
 
-bounds all k >= K, so that one test covers them.  The last k that fails is the number of periods to march before the
-next test.
+bounds all k >= K, so that one test covers them.  The number of periods to march before the next
+test is one more than the last k that fails.
 """
 
 from __future__ import annotations
@@ -77,7 +77,8 @@ def forecast(
 
     `matrix`, (n, n), is the derivative M of the orbit's map, and `vectors`, (n, n), has its eigenvectors as columns.
     `deviation`, (n,), is e at the start of the orbit, and `size` the Euclidean norm of the orbit's section point.  All
-    are in the solver's own coordinates.  At most `most` periods of the orbit are tested one by one.
+    are in the solver's own coordinates.  Blocks of periods are tested, period by period, until
+    at least `most` are done.
     """
     share = CURVED if watch.switches.time.size else LINEAR
     power, count, done, fails = matrix, 1, 0, 0

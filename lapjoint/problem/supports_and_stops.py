@@ -35,7 +35,7 @@ class Stop(Part):
     damping: NonNegative = 0.0
     """Damping c, N s/m: while the beam is beyond the gap by d, the force is k d + c d', or 0 if that would pull."""
     may_pull: bool = False
-    """Whether spring and damper also pull, up to where the gap opens."""
+    """Whether the force k d + c d' may be negative, and pull, while the beam is beyond the gap."""
     fixed_to: Literal["base", "space"] = "base"
     """"base": the stop moves with the base; "space": the stop stands still, and the gap sees z + y."""
     name: str = ""
@@ -43,7 +43,7 @@ class Stop(Part):
 
     @property
     def sign(self) -> int:
-        """+1 for a top stop, -1 for a bottom stop: closed where ``sign * z > gap``."""
+        """+1 for a top stop, -1 for a bottom stop: closed where ``sign * z > gap``, with z + y for a stop in space."""
         return 1 if self.side == "top" else -1
 
     @property

@@ -42,7 +42,7 @@ class Layout:
         special = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
         special += [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
         grid = np.linspace(0.0, L, self.points)
-        # A grid point closer than this to a support or stop is left out, so that no cell is degenerate.
+        # A grid point within 1e-9 L of a support, stop, mass or step is left out, so that no cell is degenerate.
         apart = np.all(np.abs(grid[:, None] - np.array(special)[None, :]) > 1e-9 * L, axis=1)
         return np.unique(np.concatenate([grid[apart], special]))
 

@@ -255,7 +255,7 @@ class BilinearMap:
         return self.motions(np.linspace(0.0, self.period, _STATIONS + 2)[1:-1])
 
     def folds(self) -> list[OneContact]:
-        """The existing motions of least or largest amplitude among their neighbours."""
+        """The motions of least or largest amplitude among their neighbours, whether or not they exist."""
         found = []
         for a, b, c in zip(self.stations, self.stations[1:], self.stations[2:], strict=False):
             sign = 1.0 if b.amplitude < min(a.amplitude, c.amplitude) else -1.0

@@ -177,7 +177,7 @@ def significant(value: float, uncertainty: float) -> str:
 
 
 def short(value: float, digits: int = 2) -> str:
-    """A number to two digits or so; whole ones below 100000 are written out."""
+    """A number to two digits; from 10 to 100000 it is rounded to a whole number."""
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
     if math.isfinite(value) and 10 ** (digits - 1) <= abs(value) < 1e5:

@@ -72,7 +72,7 @@ class BranchJob(Job[BranchSpec, dict[str, Any]]):
         return {"part": name, "result": result}
 
     def from_line(self, line: Mapping[str, Any]) -> tuple[dict[str, dict[str, Any]], None]:
-        """The result of which `line` made a line."""
+        """The result of a part, read back from a line of the journal."""
         return {line["part"]: line["result"]}, None
 
     def stages(self, answers: Answers, processes: int | None) -> Iterator[Stage]:

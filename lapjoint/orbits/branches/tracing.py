@@ -219,7 +219,7 @@ def _is_at_change(point: CurvePoint) -> bool:
 
 
 def _is_near(one: Bifurcation, point: CurvePoint) -> bool:
-    """Whether a bifurcation has the parameter of a point at which two branches meet, so that both branches list it."""
+    """Whether a bifurcation has the parameter of a point where two branches meet; one of the two then leaves it out."""
     return abs(one.point.value - point.value) <= SAME * point.problem.resolution.scale(point.value)
 
 
@@ -230,7 +230,7 @@ def _after(change: SequenceChange, next_: CurvePoint) -> str:
 
 
 def _through_zones(of: ParameterRange, start: CurvePoint) -> Iterator[Step]:
-    """Follow a curve, in each zone with the resolution of the zone."""
+    """Follow a curve, changing to the resolution that `of` prescribes for each part of the range."""
     here: CurvePoint | None = start
     while here is not None:
         steps, here = follow(here), None
