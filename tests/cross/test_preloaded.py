@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
 import pytest
 from beams import CLAMP, unit_cantilever
+from few_and_many import in_processes
 from preloaded import (
     ANALYTIC,
     CERTIFICATES,
@@ -41,9 +39,8 @@ def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops(index: int) -> Non
 
 @pytest.mark.slow
 def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops_of_many_joints() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        every = pool.map(partial(witnessed, preloaded_joint, elements=FINE_WITNESS), range(COUNT))
-        assert not [line for found in every for line in found]
+    every = in_processes(partial(witnessed, preloaded_joint, elements=FINE_WITNESS), range(COUNT))
+    assert not [line for found in every for line in found]
 
 
 @pytest.mark.parametrize("solver", [ANALYTIC, pytest.param(COARSE, marks=pytest.mark.thorough)])
@@ -55,8 +52,7 @@ def test_no_certificate_of_a_few_preloaded_joints_is_false(solver: AnySolver) ->
 @pytest.mark.long_march
 @pytest.mark.parametrize("solver", [ANALYTIC, COARSE])
 def test_no_certificate_of_preloaded_joints_is_false(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check(list(pool.map(partial(judged, preloaded_joint, solver), range(CERTIFICATES))))
+    check(list(in_processes(partial(judged, preloaded_joint, solver), range(CERTIFICATES))))
 
 
 AT, STIFFNESS, PRESS = 0.7, 40.0, 2e-3  # m, N/m, m: more than the beam moves there

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
 import pytest
 from beams import unit_cantilever
+from few_and_many import in_processes
 from preloaded import (
     ANALYTIC,
     CERTIFICATES,
@@ -57,9 +55,8 @@ def test_a_march_in_tiny_steps_meets_the_same_stops_in_space(index: int) -> None
 
 @pytest.mark.slow
 def test_a_march_in_tiny_steps_meets_the_same_stops_in_space_of_many_joints() -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        every = pool.map(partial(witnessed, spatial_joint, elements=FINE_WITNESS), range(COUNT))
-        assert not [line for found in every for line in found]
+    every = in_processes(partial(witnessed, spatial_joint, elements=FINE_WITNESS), range(COUNT))
+    assert not [line for found in every for line in found]
 
 
 @pytest.mark.parametrize("solver", [ANALYTIC, pytest.param(COARSE, marks=pytest.mark.thorough)])
@@ -71,8 +68,7 @@ def test_no_certificate_of_a_few_joints_with_stops_in_space_is_false(solver: Any
 @pytest.mark.long_march
 @pytest.mark.parametrize("solver", [SOLVERS[0], COARSE])
 def test_no_certificate_of_joints_with_stops_in_space_is_false(solver: AnySolver) -> None:
-    with ProcessPoolExecutor(os.cpu_count(), multiprocessing.get_context("spawn")) as pool:
-        check(list(pool.map(partial(judged, spatial_joint, solver), range(CERTIFICATES))))
+    check(list(in_processes(partial(judged, spatial_joint, solver), range(CERTIFICATES))))
 
 
 RIGID, SOFTER = 1e12, 0.01  # N m2, of a bar 1 m long beside a wall; and a bar a hundredth as stiff
