@@ -46,10 +46,11 @@ from lapjoint.answers.equilibrium import (
     nothing_resists,
 )
 from lapjoint.errors import InputError
-from lapjoint.problem import AtEquilibrium, FloatArray, Problem, Stop
+from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.forces import ConstantForce
 from lapjoint.problem.initial import InitialShape
 from lapjoint.problem.structure import Structure
+from lapjoint.problem.supports_and_stops import PlacedStop
 
 _ROUNDING = float(np.finfo(float).eps) / 2
 """Largest relative error of a rounded number."""
@@ -103,12 +104,12 @@ def equilibrium(problem: Problem, name: str) -> Equilibrium:
     found = _equilibrium(problem.structure, problem.forces.constant, breaks_of(problem))
     if isinstance(found, str):
         raise InputError(found)
-    zero = [0.0] * len(problem.supports)
+    zero = [0.0] * len(problem.structure.supports)
     forces, moments = np.array(zero), np.array(zero)
     for spring, reaction in zip(_springs(problem.structure), found.reactions, strict=True):
         (moments if spring.slope else forces)[spring.support] = reaction
     contacts, shape = np.array(found.contacts, dtype=float), found.shape
-    EI = problem.beam.EI_at(shape.nodes[1:])
+    EI = problem.line.EI_at(shape.nodes[1:])
     return Equilibrium(
         problem=problem,
         solver=name,
@@ -135,7 +136,7 @@ def start_of(problem: Problem) -> InitialShape | RestingStart:
     """The initial state of a problem as functions of x: as it is given, or the equilibrium of this solver."""
     if isinstance(problem.initial, AtEquilibrium):
         return RestingStart(equilibrium(problem, "analytic"))
-    return problem.initial
+    return problem.start
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,7 @@ def _springs(structure: Structure) -> list[_Spring]:
 @lru_cache(maxsize=_KEPT)
 def _equilibrium(structure: Structure, loads: tuple[ConstantForce, ...], breaks: tuple[float, ...]) -> _Found | str:
     """The equilibrium, or why there is none; `breaks`, m, are all places where anything acts or changes."""
-    springs, stops, L = _springs(structure), structure.stops, Fraction(structure.beam.length)
+    springs, stops, L = _springs(structure), structure.stops, Fraction(structure.line.length)
     beam = _Beam(structure, loads, breaks)
     along = beam.with_reactions(springs, stops)
     _, _, M, V = along.beyond_the_tip
@@ -189,7 +190,7 @@ def _equilibrium(structure: Structure, loads: tuple[ConstantForce, ...], breaks:
     solution = solve(rows, 2 + n)
     if isinstance(solution, NoSolution):
         shift, turn = _of_size_one(solution.direction[:2], L)
-        return nothing_resists(shift, turn, structure.beam.length)
+        return nothing_resists(shift, turn, structure.line.length)
     values = [*solution.free, *solution.forces]
     shape = beam.polynomials(along, values)
     other = ""
@@ -231,7 +232,7 @@ class _Beam:
 
     def __init__(self, structure: Structure, loads: tuple[ConstantForce, ...], breaks: tuple[float, ...]) -> None:
         self.nodes, spans = breaks, list(pairwise(breaks))
-        pieces = structure.beam.pieces
+        pieces = structure.line.pieces
         self.EI = [Fraction(next(it.EI for it in pieces if it.start <= a and b <= it.end)) for a, b in spans]
         self.q, self.P = [Fraction(0) for _ in spans], {x: Fraction(0) for x in breaks}
         for load in loads:
@@ -242,7 +243,7 @@ class _Beam:
             for x, force in load.shape.points:
                 self.P[x] += Fraction(force) * Fraction(load.force)
 
-    def with_reactions(self, springs: list[_Spring], stops: tuple[Stop, ...]) -> _Along:
+    def with_reactions(self, springs: list[_Spring], stops: tuple[PlacedStop, ...]) -> _Along:
         """All quantities along the beam as affine functions of z and z' at the root, R_i and F_j."""
         n, size = len(springs), 2 + len(springs) + len(stops) + 1
         unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
@@ -304,7 +305,7 @@ Motion = tuple[Fraction, Fraction]
 """A rigid motion: displacement of the root, m, and slope."""
 
 
-def _free_motions(springs: list[_Spring], pressing: list[Stop]) -> list[Motion]:
+def _free_motions(springs: list[_Spring], pressing: list[PlacedStop]) -> list[Motion]:
     """A basis of the rigid motions that neither the springs nor the pressing stops resist: 0 to 2 of them."""
     zero, one = Fraction(0), Fraction(1)
     held = [(zero, one) if spring.slope else (one, Fraction(spring.x)) for spring in springs]
@@ -317,12 +318,12 @@ def _free_motions(springs: list[_Spring], pressing: list[Stop]) -> list[Motion]:
     return [(b, -a) if a else (one, zero)]
 
 
-def _moved(motion: Motion, stop: Stop) -> Fraction:
+def _moved(motion: Motion, stop: PlacedStop) -> Fraction:
     """How far a rigid motion takes the beam towards a stop."""
     return stop.sign * (motion[0] + motion[1] * Fraction(stop.x))
 
 
-def _depth(shape: list[list[Fraction]], nodes: Sequence[float], stop: Stop) -> Fraction:
+def _depth(shape: list[list[Fraction]], nodes: Sequence[float], stop: PlacedStop) -> Fraction:
     """How far the beam is beyond a stop's gap, exactly."""
     i = min(nodes.index(stop.x), len(shape) - 1)
     h = Fraction(stop.x) - Fraction(nodes[i])
@@ -330,7 +331,7 @@ def _depth(shape: list[list[Fraction]], nodes: Sequence[float], stop: Stop) -> F
     return stop.sign * z - Fraction(stop.gap)
 
 
-def _other_equilibria(motions: list[Motion], touching: list[Stop], L: Fraction) -> str:
+def _other_equilibria(motions: list[Motion], touching: list[PlacedStop], L: Fraction) -> str:
     """The sentence that rigid motions among `motions` do not change the equilibrium; empty if stops allow none.
 
     Motions that touching stops allow form a cone; unless it is 0 or everything, it has an edge, about a stop.
@@ -354,7 +355,9 @@ def _of_size_one(motion: Sequence[Fraction], L: Fraction) -> tuple[float, float]
     return float(shift / most), float(turn / most)
 
 
-def _nearest(shape: list[list[Fraction]], nodes: Sequence[float], motions: list[Motion], waiting: list[Stop]) -> Motion:
+def _nearest(
+    shape: list[list[Fraction]], nodes: Sequence[float], motions: list[Motion], waiting: list[PlacedStop]
+) -> Motion:
     """The rigid motion among `motions` that the gaps allow, and after which the mean square of z is least.
 
     With amounts r of the motions and multipliers F_j, half of the derivative of the integral of z^2 by r_k, plus the

@@ -46,8 +46,9 @@ from analytic.march.loads import MOVED_STOPS, acting
 from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState, closed_together, places
-from lapjoint.problem import AtEquilibrium, AtRest, Beam, FloatArray, ModalDamping, Problem, Stop
+from lapjoint.problem import AtEquilibrium, AtRest, FloatArray, Line, ModalDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.supports_and_stops import PlacedStop, readings
 
 LEAST, MOST = 10, 320
 """Least and most number of modes that the criterion chooses; beyond the most, the error may exceed the tolerance."""
@@ -86,7 +87,7 @@ def most_closed(problem: Problem) -> ContactState:
     """
 
     def stiffness(closed: tuple[int, ...]) -> tuple[float, int]:
-        stops = [problem.stops[i] for i in closed]
+        stops = [problem.structure.stops[i] for i in closed]
         return sum(stop.stiffness for stop in stops), sum(stop.sign for stop in stops)
 
     stiffest = [max(closed_together(problem, here), key=stiffness) for here in places(problem)]
@@ -115,7 +116,9 @@ def _criterion(problem: Problem) -> _Criterion:
         problem=problem,
         loaded=loaded_structure(problem),
         fastest=max([problem.forces.usual_rate, *(force.angular_frequency for force in problem.forces.harmonic)]),
-        contact_squares=tuple(_contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.stops),
+        contact_squares=tuple(
+            _contact_square(problem, stop, 1.0 if damped else _RINGING) for stop in problem.structure.stops
+        ),
         sudden=_sudden(problem),
     )
 
@@ -141,25 +144,25 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
 def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
     """Where stops press the straight beam at t = 0, and their forces on it, N, positive upwards."""
     base, found = sum(wave.amplitude * math.sin(wave.phase) for wave in problem.moved_stops), []
-    for stop in problem.stops:
-        depth = stop.sign * base * stop.in_space - stop.gap
+    for stop in problem.structure.stops:
+        depth = stop.sign * base * stop.base_share - stop.gap
         if depth > 0:
-            found.append((LoadShape.at(stop.x), -stop.sign * stop.stiffness * depth))
+            found.append((stop.shape, -stop.sign * stop.stiffness * depth))
     return found
 
 
-def _contact_square(problem: Problem, stop: Stop, ringing: float) -> float:
+def _contact_square(problem: Problem, stop: PlacedStop, ringing: float) -> float:
     """omega_c^2, (rad/s)^2, of the contacts of a stop, 4 k c / M of the module's head; `ringing` is the factor on c."""
     c, base = _IMPACTS, problem.base_motion
-    opposite = [other.gap for other in problem.stops if other.place == stop.place and other.side != stop.side]
+    opposite = [other.gap for other in problem.structure.stops if other.place == stop.place and other.side != stop.side]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
     if opposite and len(waves) == 1 and not problem.point_loads and not stop.in_space:
         room = max(stop.gap + min(opposite), 0.0)  # none where the gaps overlap
         c = min(c, 2 * math.sqrt(room / 2 / waves[0]))
-    return 4 * c * ringing * stop.stiffness / _mass_met(problem.beam, stop.x)
+    return 4 * c * ringing * stop.stiffness / min(_mass_met(problem.line, x) for x, _ in stop.reading)
 
 
-def _mass_met(beam: Beam, x: float) -> float:
+def _mass_met(beam: Line, x: float) -> float:
     """M of the module's head at a position, m, kg: the least of both sides at a step."""
     waves = sum((piece.end - piece.start) * (piece.inertia / piece.EI) ** 0.25 for piece in beam.pieces)
     here = [piece for piece in beam.pieces if piece.start <= x <= piece.end]
@@ -217,7 +220,7 @@ def _modal_sums(loaded: LoadedStructure, pool: int) -> _ModalSums:
     problem = loaded.problem
     both = [exact_modes(problem, state, pool) for state in dict.fromkeys((FREE, most_closed(problem)))]
     elastic, constant = both[-1].omega[both[-1].omega > 0], problem.forces.constant
-    pressed = [LoadShape.at(stop.x) for stop in problem.stops if stop.gap < 0 or stop.in_space]
+    pressed = [stop.shape for stop in problem.structure.stops if stop.gap < 0 or stop.in_space]
     # Without stops the left-out modes still answer the loads; their share of a deflection is below one in N^4.
     least = np.arange(1, pool, dtype=float) ** -4
     return _ModalSums(
@@ -236,8 +239,9 @@ def _shares(problem: Problem, modes: NormalModes) -> FloatArray:
     """k sum_{i > N} Phi_i^2 / omega_i^2 at each stop of stiffness k, without unit, in one state, ``(stops, modes -
     1)``."""
     omega = np.where(modes.omega > 0, modes.omega, np.inf)
-    stiffness = np.array([stop.stiffness for stop in problem.stops])
-    share = stiffness[:, None] * modes.shapes(np.array([stop.x for stop in problem.stops])).T ** 2 / omega**2
+    stiffness = np.array([stop.stiffness for stop in problem.structure.stops])
+    x, seen = readings(problem.structure.stops)
+    share = stiffness[:, None] * (seen @ modes.shapes(x).T) ** 2 / omega**2
     return np.asarray(share[:, ::-1].cumsum(axis=1)[:, ::-1][:, 1:])
 
 

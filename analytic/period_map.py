@@ -75,9 +75,9 @@ class PeriodMap:
         `InputError` is raised where a stop is damped.
         """
         if self.joint.damped:
-            k = next(k for k, stop in enumerate(self.joint.loaded.problem.stops) if stop.damping > 0)
+            k = next(k for k, stop in enumerate(self.joint.loaded.problem.structure.stops) if stop.damping > 0)
             raise InputError(
-                f"stops[{k}].damping = {self.joint.loaded.problem.stops[k].damping:g}: branches need stops without "
+                f"stops[{k}].damping = {self.joint.loaded.problem.structure.stops[k].damping:g}: branches need stops without "
                 "damping; steady states, sweeps and basins allow it"
             )
         return JointArcs(self.joint, self.period)
@@ -175,7 +175,7 @@ class PeriodMap:
 
     def adopted(self, point: SectionPoint) -> SectionPoint:
         """A point found with other numbers of modes, or other gaps. See `lapjoint.orbits.PeriodMap.adopted`."""
-        stops = range(len(self.joint.loaded.problem.stops))
+        stops = range(len(self.joint.loaded.problem.structure.stops))
         if point.nodes is not None or not all(k in stops for k in point.state.closed):
             raise InputError("start: is no section point of the analytic solver for a joint with these stops")
         coordinates = np.asarray(point.coordinates)
@@ -236,7 +236,9 @@ class PeriodMap:
         """Impulses, N s, from the time integrals of the penetrations, m s, each of shape ``(..., P)``."""
         if self.joint.damped:
             penetration = penetration[..., self.joint.force_rows]
-        return np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.stops]) * penetration
+        return (
+            np.array([stop.sign * stop.stiffness for stop in self.joint.loaded.problem.structure.stops]) * penetration
+        )
 
     def _recorded(self, start: Coordinates, pieces: list[float], progress: Progress | None) -> History:
         now, motions, size = start, [], 0.0

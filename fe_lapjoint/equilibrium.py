@@ -46,6 +46,7 @@ from lapjoint.answers.equilibrium import (
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.initial import InitialShape
+from lapjoint.problem.problem import resting
 
 _ROUNDINGS = 10 * float(np.finfo(float).eps)
 """Relative error of an entry of the system, and of a residual: an entry takes some ten operations, a row has some ten
@@ -89,7 +90,7 @@ def equilibrium(problem: Problem) -> Equilibrium:
 
 def start_of(problem: Problem) -> InitialShape | RestingStart:
     """The initial state of a problem as functions of x: as it is given, or the equilibrium of this solver."""
-    return _resting(problem) if isinstance(problem.initial, AtEquilibrium) else problem.initial
+    return _resting(problem) if isinstance(problem.initial, AtEquilibrium) else problem.start
 
 
 @lru_cache(maxsize=8)
@@ -102,17 +103,17 @@ class _Joint:
     """The beam on a mesh without supports, its loads, and its springs as rows, in units of L and EI."""
 
     def __init__(self, problem: Problem) -> None:
-        self.problem, self.L, self.EI = problem, problem.beam.length, problem.beam.EI
-        self.assembly = Assembly(problem.replace(supports=()), np.array(breaks_of(problem)))
+        self.problem, self.L, self.EI = problem, problem.line.length, problem.line.EI
+        self.assembly = Assembly(resting(replace(problem.structure, supports=())), np.array(breaks_of(problem)))
         self.B = self.assembly.curvature * math.sqrt(self.L**3 / self.EI)
         loads = [force.force * self.assembly.load(force.shape) for force in problem.forces.constant]
         none = np.zeros(self.B.shape[1])
         self.f = sum(loads, none) * self.L**2 / self.EI
         self.size_of_f = sum((np.abs(load) for load in loads), none) * self.L**2 / self.EI
-        self.sign = np.array([stop.sign for stop in problem.stops], dtype=float)
-        self.gap = np.array([stop.gap for stop in problem.stops], dtype=float) / self.L
+        self.sign = np.array([stop.sign for stop in problem.structure.stops], dtype=float)
+        self.gap = np.array([stop.gap for stop in problem.structure.stops], dtype=float) / self.L
         self.stops = self.sign[:, None] * self.assembly.stop_rows
-        self.k = np.array([stop.stiffness for stop in problem.stops], dtype=float) * self.L**3 / self.EI
+        self.k = np.array([stop.stiffness for stop in problem.structure.stops], dtype=float) * self.L**3 / self.EI
         held = list(self._supports())
         self.held = [place for place, _, _ in held]
         """The support and the derivative, 0 or 1, of each spring that always acts."""
@@ -121,7 +122,7 @@ class _Joint:
 
     def _supports(self) -> Iterator[tuple[tuple[int, int], FloatArray, float]]:
         """Support and derivative, row and stiffness in units of the beam, of each spring of the supports."""
-        for i, support in enumerate(self.problem.supports):
+        for i, support in enumerate(self.problem.structure.supports):
             if support.translational:
                 yield (i, 0), self.assembly.reading(support.x), support.translational * self.L**3 / self.EI
             if support.torsional:
@@ -173,7 +174,10 @@ class _Joint:
                 total[self.assembly.node(x)] += force * load.force
                 error[self.assembly.node(x)] += _ROUNDINGS * abs(force * load.force)
         (held, doubts), (pressed, others) = found.support_forces(0), found.stop_forces
-        places = [*(support.x for support in self.problem.supports), *(stop.x for stop in self.problem.stops)]
+        places = [
+            *(support.x for support in self.problem.structure.supports),
+            *(stop.x for stop in self.problem.structure.stops),
+        ]
         forces = zip(places, [*held, *(-self.sign * pressed)], [*doubts, *others], strict=True)
         for x, force, doubt in forces:
             total[self.assembly.node(x)] += force
@@ -198,7 +202,7 @@ class _Joint:
 
     @cached_property
     def _EI(self) -> FloatArray:
-        return self.problem.beam.EI_at(self._middle)
+        return self.problem.line.EI_at(self._middle)
 
     @cached_property
     def _q(self) -> FloatArray:
@@ -283,7 +287,10 @@ class _Solution:
     def support_forces(self, derivative: int) -> tuple[FloatArray, FloatArray]:
         """The forces, N, or couples, N m, of the supports on the beam, and their errors, ``(supports,)`` each."""
         unit = self.joint.EI / self.joint.L ** (2 - derivative)
-        found, errors = np.zeros(len(self.joint.problem.supports)), np.zeros(len(self.joint.problem.supports))
+        found, errors = (
+            np.zeros(len(self.joint.problem.structure.supports)),
+            np.zeros(len(self.joint.problem.structure.supports)),
+        )
         for row, (support, order) in enumerate(self.joint.held):
             if order == derivative:
                 found[support] = -self._springs(self.values)[row] * unit

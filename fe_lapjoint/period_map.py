@@ -40,6 +40,7 @@ from lapjoint.orbits.period_map import (
     rescaled,
 )
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.problem import resting
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
 
@@ -93,9 +94,9 @@ class PeriodMap:
         `InputError` is raised where a stop is damped.
         """
         if self.model.damped:
-            k = self.model.damped[0]
+            k, stops = self.model.damped[0], self.problem.structure.stops
             raise InputError(
-                f"stops[{k}].damping = {self.problem.stops[k].damping:g}: branches need stops without damping; steady "
+                f"stops[{k}].damping = {stops[k].damping:g}: branches need stops without damping; steady "
                 "states, sweeps and basins allow it"
             )
         return Arcs(self.model, self.omega)
@@ -114,7 +115,7 @@ class PeriodMap:
     @in_one_thread
     def march(self, start: SectionPoint, half_periods: int) -> Passage:
         """March a period at a time. See `lapjoint.orbits.PeriodMap.march`."""
-        point, total, switches = start, np.zeros(len(self.problem.stops)), 0
+        point, total, switches = start, np.zeros(len(self.problem.structure.stops)), 0
         for piece in [self.period] * (half_periods // 2) + [self.period / 2] * (half_periods % 2):
             motion = march(self.model, point.state, self.modal(point), 0.0, piece, peaks=False, keep=False)
             point = section_point(self.model, motion.state, motion.y)
@@ -201,8 +202,8 @@ class PeriodMap:
         if not np.array_equal(nodes, assembly.nodes):
             if abs(nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
                 raise InputError("start: is a section point of a beam of another length")
-            other = Assembly(self.problem.replace(supports=(), stops=(), point_loads=()), nodes)
-            x, L = np.minimum(assembly.nodes, nodes[-1]), self.problem.beam.length
+            other = Assembly(resting(replace(self.problem.structure, supports=(), stops=())), nodes)
+            x, L = np.minimum(assembly.nodes, nodes[-1]), self.problem.line.length
             values = np.stack([coordinates @ other.shapes(x, 0).T, L * (coordinates @ other.shapes(x, 1).T)], axis=2)
             coordinates = values.reshape(2, -1)
         full = np.zeros_like(coordinates)
@@ -234,7 +235,7 @@ class PeriodMap:
     def followed(self, start: SectionPoint, deviation: FloatArray, periods: int) -> Followed:
         """March and carry one deviation along. See `lapjoint.orbits.Follows.followed`."""
         model, point, points, growth = self.model, start, [], np.zeros(periods)
-        impulses, switches = np.zeros((periods, len(self.problem.stops))), 0
+        impulses, switches = np.zeros((periods, len(self.problem.structure.stops))), 0
         for i in range(periods):
             motion = march(model, point.state, self.modal(point), 0.0, self.period, peaks=False)
             there = (deviation.reshape(2, -1) @ model.transfer(FREE, point.state).T).reshape(-1, 1)
@@ -287,7 +288,7 @@ class PeriodMap:
         released = []
         rate = assembly.stop_rows @ point.coordinates[1, assembly.free] + base[1]
         for k in model.damped:
-            stop = self.problem.stops[k]
+            stop = self.problem.structure.stops[k]
             pull = -(depth[k] + stop.damping / stop.stiffness * stop.sign * rate[k])
             near = _TOUCHING * abs(stop.gap)
             if not stop.may_pull and pull > (-near if k in point.state.released else near):

@@ -53,7 +53,7 @@ def started_from(problem: Problem, found: SteadyState) -> Problem:
     def velocity(x: FloatArray) -> FloatArray:
         return np.asarray(history.velocity(x, history.start)[:, 0])
 
-    return problem.replace(initial=initial_from_functions(problem.beam.length, displacement, velocity))
+    return problem.replace(initial=initial_from_functions(problem.line.length, displacement, velocity))
 
 
 def why_they_differ(problem: Problem, one: Motion, other: Motion) -> str:

@@ -55,10 +55,10 @@ def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Floa
 
 def _space(history: History) -> tuple[FloatArray, FloatArray]:
     problem = history.problem
-    parts = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
-    steps = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
+    parts = [support.x for support in problem.structure.supports] + [stop.x for stop in problem.structure.stops]
+    steps = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
     loads = [x for force in problem.forces.every for x in force.shape.edges]
-    L = problem.beam.length
+    L = problem.line.length
     return _panels(np.unique([0.0, L, *parts, *steps, *loads]), L / _PANELS_X)
 
 
@@ -87,18 +87,18 @@ def energy(history: History, t: FloatArray) -> FloatArray:
         Energy, J.
     """
     problem, (x, w) = history.problem, _space(history)
-    beam = problem.beam
+    beam = problem.line
     total = (w * beam.inertia_at(x)) @ history.evaluate(x, t, dt=1) ** 2 / 2
     total = total + (w * beam.EI_at(x)) @ history.evaluate(x, t, dx=2) ** 2 / 2
-    for mass in problem.masses:
+    for mass in problem.structure.masses:
         total = total + mass.mass / 2 * history.velocity(mass.x, t)[0] ** 2
         total = total + mass.rotary_inertia / 2 * history.evaluate(mass.x, t, dx=1, dt=1)[0] ** 2
-    for support in problem.supports:
+    for support in problem.structure.supports:
         if 0 < support.translational < math.inf:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
-    for stop, depth in zip(problem.stops, history.penetration(t), strict=True):
+    for stop, depth in zip(problem.structure.stops, history.penetration(t), strict=True):
         if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
             total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
     return np.asarray(total)
@@ -125,7 +125,9 @@ def power(history: History, t: FloatArray) -> FloatArray:
     for force in problem.forces.every:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
     # a spring stores what the beam and a base that moves towards the stop do; a damped stop is what it does to the beam
-    for stop, force, base in zip(problem.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True):
+    for stop, force, base in zip(
+        problem.structure.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True
+    ):
         total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
@@ -211,7 +213,9 @@ def momentum_applies(problem: Problem) -> bool:
     problem : Problem
         What is solved.
     """
-    fixed = any(math.isinf(support.translational) or math.isinf(support.torsional) for support in problem.supports)
+    fixed = any(
+        math.isinf(support.translational) or math.isinf(support.torsional) for support in problem.structure.supports
+    )
     return not fixed and not isinstance(problem.damping, ModalDamping)
 
 
@@ -236,7 +240,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         The two residuals.
     """
     problem, (x, w) = history.problem, _space(history)
-    inertia, L, both = problem.beam.inertia_at(x), problem.beam.length, np.array([history.start, history.end])
+    inertia, L, both = problem.line.inertia_at(x), problem.line.length, np.array([history.start, history.end])
     breaks = np.unique([history.start, *history.switch_times, history.end])
     found: list[Criterion] = []
     momentum = 0.0  # sum of the magnitudes of all parts of the momentum balance, kg m/s
@@ -250,7 +254,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
             total = np.zeros(t.size)
             for one in problem.forces.every:
                 total += one.at(t) * float(_applied(one.shape, x, w, arm))
-            for support in problem.supports:
+            for support in problem.structure.supports:
                 total -= (
                     support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
                 )
@@ -260,10 +264,10 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
             return total
 
         ends = (w * inertia * arm(x)) @ history.evaluate(x, both, dt=1)
-        for mass in problem.masses:
+        for mass in problem.structure.masses:
             ends = ends + mass.mass * float(arm(np.asarray(mass.x))) * history.velocity(mass.x, both)[0]
             ends = ends + mass.rotary_inertia * slope * history.evaluate(mass.x, both, dx=1, dt=1)[0]
-        stops = [-c.impulse * float(arm(np.asarray(problem.stops[c.stop].x))) for c in history.contacts]
+        stops = [-c.impulse * float(arm(np.asarray(problem.structure.stops[c.stop].x))) for c in history.contacts]
         amount = float(np.abs(ends).sum() + np.abs(stops).sum())
         scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)
         momentum = max(momentum, amount)
@@ -291,7 +295,7 @@ def gaps(history: History, tolerance: float) -> Criterion:
         The depth of the violation, divided by the largest displacement that the stops see.
     """
     problem = history.problem
-    if not problem.stops:
+    if not problem.structure.stops:
         return Criterion("gaps", "1", 0.0, 0.0, tolerance, "there are no stops")
     worst, size = 0.0, 1e-300
     breaks = np.unique([history.start, *history.switch_times, history.end])
@@ -348,7 +352,7 @@ def continuity(history: History, tolerance: float) -> Criterion:
     t = history.switch_times[history.switch_times > history.start]
     if not t.size:
         return Criterion("displacement jump at switches", "1", 0.0, 0.0, tolerance, "no switch")
-    x = np.linspace(0.0, history.problem.beam.length, 21)
+    x = np.linspace(0.0, history.problem.line.length, 21)
     after, before = history.displacement(x, t), history.displacement(x, np.nextafter(t, history.start))
     jump = float(np.abs(after - before).max() / max(np.abs(after).max(), 1e-300))
     return Criterion("displacement jump at switches", "1", jump, 0.0, tolerance, "modes of the two states, truncated")
@@ -360,7 +364,7 @@ def _apart(history: History, sign: int, later: float) -> float:
     Displacements, and velocities divided by the excitation frequency, are compared at 21 places and 33 times in the
     period.
     """
-    x, span = np.linspace(0.0, history.problem.beam.length, 21), history.end - history.start
+    x, span = np.linspace(0.0, history.problem.line.length, 21), history.end - history.start
     t = history.start + span * (np.arange(33) + 0.5) / 33
     on = history.start + np.mod(t - history.start + later, span)
     omega = history.problem.excitation_frequency or 1.0
@@ -386,7 +390,7 @@ def closes(found: SteadyState, tolerance: float) -> Criterion:
         largest of both.
     """
     history = found.history
-    x, ends = np.linspace(0.0, history.problem.beam.length, 21), np.array([history.start, history.end])
+    x, ends = np.linspace(0.0, history.problem.line.length, 21), np.array([history.start, history.end])
     omega = history.problem.excitation_frequency or 1.0
     both = np.concatenate([history.evaluate(x, ends), history.evaluate(x, ends, dt=1) / omega])
     gap = float(np.abs(np.diff(both, axis=1)).max() / max(np.abs(both).max(), 1e-300))

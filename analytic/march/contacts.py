@@ -15,7 +15,7 @@ from lapjoint.problem import FloatArray
 
 def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     """All contacts, by start time, of a motion that was marched with ``depth=True``, which records penetrations."""
-    stops, closed = joint.problem.stops, joint.tables.closed[log.slot[0]]
+    stops, closed = joint.problem.structure.stops, joint.tables.closed[log.slot[0]]
     switched, areas, depths = log.stop, log.area, log.deepest
     if joint.damped:
         closed, switched = closed[joint.force_rows], _force_switches(joint, log)

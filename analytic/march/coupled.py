@@ -79,20 +79,20 @@ class Coupled:
 
 def damped_rows(problem: Problem) -> IntArray:
     """The stop of each second row of the tables: of all stops with damping, ascending, shape ``(D,)``."""
-    return np.array([k for k, stop in enumerate(problem.stops) if stop.damping > 0], dtype=np.int64)
+    return np.array([k for k, stop in enumerate(problem.structure.stops) if stop.damping > 0], dtype=np.int64)
 
 
 def force_rows(problem: Problem) -> IntArray:
     """The row of the tables whose penetration times the stiffness is each stop's force, shape ``(P,)``."""
-    rows = np.arange(len(problem.stops))
+    rows = np.arange(len(problem.structure.stops))
     damped = damped_rows(problem)
-    rows[damped] = len(problem.stops) + np.arange(damped.size)
+    rows[damped] = len(problem.structure.stops) + np.arange(damped.size)
     return rows
 
 
 def is_coupled(problem: Problem, state: ContactState) -> bool:
     """Whether a damped stop is closed."""
-    return any(problem.stops[k].damping > 0 for k in state.closed)
+    return any(problem.structure.stops[k].damping > 0 for k in state.closed)
 
 
 def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
@@ -176,12 +176,12 @@ def coupled(
     """
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
-    scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.beam.EI / problem.beam.m) / problem.beam.length**2)
+    scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.line.EI / problem.line.m) / problem.line.length**2)
     K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
     turning = np.concatenate([[0.0], 1j * harmonics.omega])
     pressing = np.zeros((n, n))
     for k in state.closed:
-        stop, phi = problem.stops[k], modal.at_stops[k]
+        stop, phi = problem.structure.stops[k], modal.at_stops[k]
         if k in state.released:
             K -= stop.stiffness * np.outer(phi, phi)
             f += stop.stiffness * np.outer(left_out[:, k], phi)
@@ -222,7 +222,7 @@ def write_coupled(
     it: Coupled,
 ) -> None:
     """Write a coupled state, under loads of real size, into its empty slot; `left_out` is as in `coupled`."""
-    n, P = modal.size, len(problem.stops)
+    n, P = modal.size, len(problem.structure.stops)
     oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
     mode_of = np.concatenate([np.arange(n), split, oscillating])
     root = np.concatenate([it.roots[:, 0], it.roots[split, 1], it.roots[oscillating, 0]])
@@ -240,7 +240,7 @@ def write_coupled(
     plain = stops.size - damped_rows(problem).size
     turning = np.concatenate([[0.0], 1j * tables.omega])
     for u, k in enumerate(stops.tolist()):
-        tau = problem.stops[k].damping / problem.stops[k].stiffness if u >= plain else 0.0
+        tau = problem.structure.stops[k].damping / problem.structure.stops[k].stiffness if u >= plain else 0.0
         phi = modal.at_stops[k]
         reads = np.concatenate([phi, tau * phi]) @ it.to
         still = left_out[:, k] * (1 + tau * turning) - it.lag @ reads[n:]
@@ -256,5 +256,5 @@ def write_coupled(
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):
         tables.closed[slot, row] = k in state and k not in state.released
-        tables.asleep[slot, row] = k not in state or problem.stops[k].may_pull
+        tables.asleep[slot, row] = k not in state or problem.structure.stops[k].may_pull
         tables.idle[slot, tables.position[row]] = tables.asleep[slot, row]

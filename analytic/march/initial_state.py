@@ -111,7 +111,7 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
     z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
     rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]
     closed, released = [], []
-    for k, stop in enumerate(joint.loaded.problem.stops):
+    for k, stop in enumerate(joint.loaded.problem.structure.stops):
         depth, near = stop.sign * z[k] - stop.gap, TOUCHING * abs(stop.gap)
         if depth > (-near if k in state else 0.0):
             closed.append(k)

@@ -92,13 +92,13 @@ class Joint:
         """Number of sampled loads."""
         self.force_rows = force_rows(self.loaded.problem)
         """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
-        self.damped = any(stop.damping > 0 for stop in self.loaded.problem.stops)
+        self.damped = any(stop.damping > 0 for stop in self.loaded.problem.structure.stops)
         """Whether a stop is damped."""
         self._coupled: dict[ContactState, Coupled] = {}
         if self.damped and self.sampled:
-            k = next(k for k, stop in enumerate(self.loaded.problem.stops) if stop.damping > 0)
+            k = next(k for k, stop in enumerate(self.loaded.problem.structure.stops) if stop.damping > 0)
             raise InputError(
-                f"stops[{k}].damping = {self.loaded.problem.stops[k].damping:g}: the analytic solver takes damped "
+                f"stops[{k}].damping = {self.loaded.problem.structure.stops[k].damping:g}: the analytic solver takes damped "
                 "stops with harmonic and constant forces, and not with records or random motion"
             )
         self._memory = memory_of(self.loaded, self.counts)

@@ -83,15 +83,15 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
         total.concentrated[row] += size * own.concentrated[0]
 
     for i in state.closed:
-        stop = problem.stops[i]
-        add(0, LoadShape.at(stop.x), stop.sign * stop.stiffness * stop.gap)
+        stop = problem.structure.stops[i]
+        add(0, stop.shape, stop.sign * stop.stiffness * stop.gap)
     for load in problem.forces.constant:
         add(0, load.shape, load.force)
     for row, shape in enumerate(positions, start=1):
         add(row, shape, 1.0)
-        for stop in (problem.stops[i] for i in state.closed if shape == MOVED_STOPS):
+        for stop in (problem.structure.stops[i] for i in state.closed if shape == MOVED_STOPS):
             if stop.in_space:
-                add(row, LoadShape.at(stop.x), -stop.stiffness)
+                add(row, stop.shape, -stop.stiffness * stop.base_share)
     return total
 
 

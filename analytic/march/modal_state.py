@@ -35,9 +35,11 @@ from analytic.modes.normal_modes import NormalModes, exact_modes, pool_size
 from analytic.modes.static_residual import Residual, residual
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.machine.result_cache import cached
-from lapjoint.problem import FloatArray, Problem, StepLoad
-from lapjoint.problem.static_loads import Gravity, UniformLoad
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.forces import ConstantForce
+from lapjoint.problem.problem import resting
 from lapjoint.problem.structure import Structure
+from lapjoint.problem.supports_and_stops import readings
 
 _STRUCTURES = 16  # loaded structures kept: a campaign seldom alternates between more
 _STATES = 256  # contact states kept, enough for 16 structures with the nine of the paper; each takes about 100 kB
@@ -117,31 +119,19 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     if positions is None:
         forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
         positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled))
-    steps = tuple((load.x, load.constant) for load in problem.point_loads)
-    return _loaded_structure(problem.structure, steps, problem.gravity, problem.uniform_loads, positions)
+    at_points = [load.shape for load in problem.forces.harmonic if not load.of_base]
+    at_points += [load.shape for load in problem.forces.sampled]
+    # Loads that change with time act at nodes, too: there they are constant loads of size 0.
+    constant = (*problem.forces.constant, *(ConstantForce(shape, 0.0) for shape in dict.fromkeys(at_points)))
+    return _loaded_structure(problem.structure, constant, positions)
 
 
 @lru_cache(maxsize=_STRUCTURES)
 def _loaded_structure(
-    structure: Structure,
-    steps: tuple[tuple[float, float], ...],
-    gravity: Gravity | None,
-    uniform_loads: tuple[UniformLoad, ...],
-    positions: Positions,
+    structure: Structure, constant: tuple[ConstantForce, ...], positions: Positions
 ) -> LoadedStructure:
-    """A structure with constant loads (`steps`: position in m, force in N), and the positions of the other loads."""
-    loads = tuple(StepLoad(x=x, force=force) for x, force in steps)
-    still = Problem.model_construct(  # of parts that fit together: they were validated
-        beam=structure.beam,
-        supports=structure.supports,
-        stops=structure.stops,
-        damping=structure.damping,
-        masses=structure.masses,
-        point_loads=loads,
-        gravity=gravity,
-        uniform_loads=uniform_loads,
-    )
-    return LoadedStructure(still, positions)
+    """A structure with constant loads, and the positions of the other loads."""
+    return LoadedStructure(resting(structure, constant), positions)
 
 
 @cached(_STATES)
@@ -158,15 +148,15 @@ def _modal_state(loaded: LoadedStructure, state: ContactState, count: int) -> Mo
     loads = unit_loads(problem, loaded.positions, state, modes.shapes.nodes)
     force = loads.modal(modes.shapes)
     shapes = residual(problem, state, modes, loads, force)
-    x_stops = np.array([stop.x for stop in problem.stops])
+    x, seen = readings(problem.structure.stops)
     return ModalState(
         state=state,
         modes=modes,
         damping_rate=damping_rates(problem, modes.omega),
         force=force,
         residual=shapes,
-        at_stops=modes.shapes(x_stops).T,
-        foundation_at_stops=shapes.foundation(x_stops),
+        at_stops=seen @ modes.shapes(x).T,
+        foundation_at_stops=shapes.foundation(x) @ seen.T,
     )
 
 
@@ -182,6 +172,6 @@ def passage(loaded: LoadedStructure, old: ContactState, n_old: int, new: Contact
 @cached(_PASSAGES)
 def _products(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> Passage:
     """Inner products of the modes of `new` with the modes and with the foundation shapes of `old`."""
-    before, inertia = _modal_state(loaded, old, n_old), inertia_of(loaded.problem.beam, loaded.problem.masses)
+    before, inertia = _modal_state(loaded, old, n_old), inertia_of(loaded.problem.line, loaded.problem.structure.masses)
     after = _modal_state(loaded, new, n_new).modes.shapes
     return Passage(gram(after, before.modes.shapes, inertia), before.residual.foundation.products(after, inertia))

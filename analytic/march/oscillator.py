@@ -34,7 +34,7 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
-    rate = damping.coefficient / (2 * problem.beam.m) if isinstance(damping, ViscousDamping) else 0.0
+    rate = damping.coefficient / (2 * problem.line.m) if isinstance(damping, ViscousDamping) else 0.0
     return np.full(omega.size, rate)
 
 

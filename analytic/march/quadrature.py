@@ -34,7 +34,7 @@ def over_beam(problem: Problem, modes: NormalModes) -> tuple[FloatArray, FloatAr
     nodes, w = np.polynomial.legendre.leggauss(_POINTS_PER_PANEL)
     half = np.diff(edges)[:, None] / 2
     x = (edges[:-1, None] + half) + half * nodes
-    return np.minimum(x, problem.beam.length).ravel(), (half * w).ravel()
+    return np.minimum(x, problem.line.length).ravel(), (half * w).ravel()
 
 
 def mass_weighted(
@@ -45,8 +45,8 @@ def mass_weighted(
     The first of each pair has a mode in each row, kg^1/2, ``(N, points)``; the second has `shape` or its slope.
     """
     x, weights = over_beam(problem, modes)
-    parts = [(problem.beam.inertia_at(x) * modes.shapes(x) * weights, shape(x))]
-    for mass in problem.masses:
+    parts = [(problem.line.inertia_at(x) * modes.shapes(x) * weights, shape(x))]
+    for mass in problem.structure.masses:
         at = np.array([mass.x])
         for derivative, lumped in enumerate((mass.mass, mass.rotary_inertia)):
             if lumped:

@@ -182,7 +182,7 @@ UNKNOWN = "next_slot", "passage"  # fields that hold -1 where a switch is not kn
 
 def tabulated_steps(problem: Problem) -> FloatArray:
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
-    beam = problem.beam
+    beam = problem.line
     return np.asarray(math.sqrt(beam.m / beam.EI) * beam.length**2 * _FRACTIONS)
 
 
@@ -230,7 +230,7 @@ def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> Flat
         force=modal.force,
         weight=np.ascontiguousarray(modal.at_stops[first][:, mode_of]),
         residual=np.ascontiguousarray((modal.residual_at_stops + seen_motion(loaded)).T[first]),
-        closed=np.array([k in state for k in range(len(problem.stops))], dtype=np.bool_),
+        closed=np.array([k in state for k in range(len(problem.structure.stops))], dtype=np.bool_),
     )
 
 
@@ -239,14 +239,14 @@ def stop_positions(problem: Problem) -> IntArray:
 
     Stops fixed in space have positions of their own, because their gaps see the motion of the base, too.
     """
-    places = sorted({stop.place for stop in problem.stops})
-    return np.array([places.index(stop.place) for stop in problem.stops], dtype=np.int64)
+    places = sorted({stop.place for stop in problem.structure.stops})
+    return np.array([places.index(stop.place) for stop in problem.structure.stops], dtype=np.int64)
 
 
 def seen_motion(loaded: LoadedStructure) -> FloatArray:
     """The motion of the base that each stop's gap sees, m for each unit of load, shape ``(1 + H + R, P)``."""
     moved = np.array([False, *(shape == MOVED_STOPS for shape in loaded.positions)])
-    return np.outer(moved, [stop.in_space for stop in loaded.problem.stops]).astype(float)
+    return np.outer(moved, [stop.base_share for stop in loaded.problem.structure.stops])
 
 
 @by_reference
@@ -336,13 +336,13 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     `size` is the largest number of modes in a state.
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
-    damped = [k for k, stop in enumerate(problem.stops) if stop.damping > 0]
-    rows = [*problem.stops, *(problem.stops[k] for k in damped)]
+    damped = [k for k, stop in enumerate(problem.structure.stops) if stop.damping > 0]
+    rows = [*problem.structure.stops, *(problem.structure.stops[k] for k in damped)]
     places = int(position.max(initial=-1)) + 1
     position = np.concatenate([position, places + np.arange(len(damped))])
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
     S, N, T = slots, size, 2 * size
-    (V, M), own = (U, N) if damped else (0, 0), len(problem.stops)
+    (V, M), own = (U, N) if damped else (0, 0), len(problem.structure.stops)
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),

@@ -53,7 +53,7 @@ def starting_state(joint: Joint) -> tuple[ContactState, tuple[int, ...]]:
     while touching and order <= HIGHEST:
         value, error = _derivative(joint, ContactState(tuple(closed)), order)
         decided = [k for k in touching if abs(value[k]) > error[k]]
-        closed += [k for k in decided if problem.stops[k].sign * value[k] > 0]
+        closed += [k for k in decided if problem.structure.stops[k].sign * value[k] > 0]
         held += decided
         touching = [k for k in touching if k not in decided]
         order += 1
@@ -64,9 +64,9 @@ def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
     """The closed damped stops whose spring and damper would pull at t = 0, although they may not."""
     found, initial, (base, _), (speed, _) = [], start_of(problem), base_motion(problem, 0), base_motion(problem, 1)
     for k in closed:
-        stop, x, seen = problem.stops[k], np.array(problem.stops[k].x), float(problem.stops[k].in_space)
-        depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
-        rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
+        stop = problem.structure.stops[k]
+        depth = stop.sign * (stop.seen(initial.displacement_at) + stop.base_share * base) - stop.gap
+        rate = stop.sign * (stop.seen(initial.velocity_at) + stop.base_share * speed)
         if stop.damping > 0 and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
             found.append(k)
     return tuple(found)
@@ -75,13 +75,13 @@ def _pulling(problem: Problem, closed: list[int]) -> tuple[int, ...]:
 def by_displacement_and_velocity(problem: Problem) -> tuple[list[int], list[int]]:
     """The stops that the initial state closes, and the undecided ones, at whose gap the beam is at rest."""
     closed, touching, initial = [], [], start_of(problem)
-    along = np.linspace(0.0, problem.beam.length, 65)
+    along = problem.line.grid(65)
     far, fast = (float(np.abs(shape(along)).max()) for shape in (initial.displacement_at, initial.velocity_at))
     (base, of_base), (speed, of_speed) = (base_motion(problem, order) for order in (0, 1))
-    for k, stop in enumerate(problem.stops):
-        x, seen = np.array(stop.x), float(stop.in_space)
-        depth = stop.sign * (float(initial.displacement_at(x)) + seen * base) - stop.gap
-        rate = stop.sign * (float(initial.velocity_at(x)) + seen * speed)
+    for k, stop in enumerate(problem.structure.stops):
+        seen = abs(stop.base_share)
+        depth = stop.sign * (stop.seen(initial.displacement_at) + stop.base_share * base) - stop.gap
+        rate = stop.sign * (stop.seen(initial.velocity_at) + stop.base_share * speed)
         at_gap = abs(depth) <= _ROUNDING * far + seen * of_base
         if isinstance(initial, RestingStart) and initial.pressed(k):
             closed.append(k)
@@ -114,7 +114,7 @@ def _derivative(joint: Joint, state: ContactState, order: int) -> Rounded:
             elastic = _elastic(joint, state, n) if n < 2 else _times(square, known[n])
             known.append(_difference(_force(joint, state, n), elastic, _times(drag, known[n + 1])))
         value, error = known[order]
-        shapes, seen = modal.at_stops, np.array([stop.in_space for stop in joint.problem.stops], dtype=float)
+        shapes, seen = modal.at_stops, np.array([stop.base_share for stop in joint.problem.structure.stops])
         base, of_base = base_motion(joint.problem, order)
         return shapes @ value + seen * base, np.abs(shapes) @ (error + _ROUNDING * np.abs(value)) + seen * of_base
 
@@ -168,10 +168,10 @@ def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     initial = start_of(problem)
     shape = (initial.displacement_at, initial.velocity_at)[n]
     x, weights = over_beam(problem, modes)
-    springs = [(it.x, 0, it.translational) for it in problem.supports]
-    springs += [(it.x, 1, it.torsional) for it in problem.supports]
-    springs += [(problem.stops[k].x, 0, problem.stops[k].stiffness) for k in state.closed]
-    parts = [(problem.beam.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
+    springs = [(it.x, 0, it.translational) for it in problem.structure.supports]
+    springs += [(it.x, 1, it.torsional) for it in problem.structure.supports]
+    springs += [(problem.structure.stops[k].x, 0, problem.structure.stops[k].stiffness) for k in state.closed]
+    parts = [(problem.line.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
     for place, derivative, stiffness in springs:
         if 0 < stiffness < math.inf:
             at = np.array([place])

@@ -26,7 +26,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.problem import Beam, FloatArray
+from lapjoint.problem import FloatArray, Line
 from lapjoint.problem.masses import Mass
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -64,7 +64,7 @@ class Inertia:
         return self.EI[piece], self.m[piece]
 
 
-def inertia_of(beam: Beam, masses: Iterable[Mass] = ()) -> Inertia:
+def inertia_of(beam: Line, masses: Iterable[Mass] = ()) -> Inertia:
     """The weights of inner products of a beam with masses."""
     pieces, lumped = beam.pieces, [it for it in masses if it.mass or it.rotary_inertia]
     places = sorted({it.x for it in lumped})

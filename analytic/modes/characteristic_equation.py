@@ -122,30 +122,34 @@ def _spring(stiffness: float, mass: float, fourth: FloatArray) -> Spring:
 def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
     """Positions, m, ascending, of the ends of the beam's pieces, of the edges of loads, and of all that acts on the
     beam; open stops do not.  Positions that differ by rounding are one."""
-    parts = (*problem.supports, *(problem.stops[i] for i in closed), *problem.point_loads, *problem.masses)
-    edges = [x for load in problem.static_loads for x in load.shape.edges]
-    steps = [piece.end for piece in problem.beam.pieces]
-    x = np.unique(np.array([0.0, *steps, *(part.x for part in parts), *edges]))
-    apart = np.append(np.diff(x) > _ONE_PLACE * problem.beam.length, True)
-    return np.asarray(np.append(0.0, x[apart][x[apart] > _ONE_PLACE * problem.beam.length]))
+    structure = problem.structure
+    at = [support.x for support in structure.supports] + [mass.x for mass in structure.masses]
+    at += [x for link in structure.links for x in (link.first, link.second)]
+    at += [x for i in closed for x, _ in structure.stops[i].reading]
+    at += [x for load in problem.forces.every for x in load.shape.edges]
+    at += [x for piece in problem.line.pieces for x in (piece.start, piece.end)]
+    x = np.unique(np.array(at))
+    apart = np.append(np.diff(x) > _ONE_PLACE * problem.line.length, True)
+    return np.asarray(np.append(0.0, x[apart][x[apart] > _ONE_PLACE * problem.line.length]))
 
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
     """The beam with its supports and its `closed` stops as springs."""
-    beam, x = problem.beam, node_positions(problem, closed)
+    beam, x = problem.line, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
 
     def at(position: float) -> int:
         return int(np.argmin(np.abs(x - position)))
 
-    for support in problem.supports:
+    for support in problem.structure.supports:
         node = at(support.x)
         translational[node] += support.translational
         torsional[node] += support.torsional
-    for i in closed:
-        translational[at(problem.stops[i].x)] += problem.stops[i].stiffness
+    for stop in (problem.structure.stops[i] for i in closed):
+        if len(stop.reading) == 1:
+            translational[at(stop.x)] += stop.stiffness
     mass, rotary = np.zeros(x.size), np.zeros(x.size)
-    for lumped in problem.masses:
+    for lumped in problem.structure.masses:
         node = at(lumped.x)
         mass[node] += lumped.mass
         rotary[node] += lumped.rotary_inertia

@@ -38,7 +38,7 @@ from analytic.modes.boundary_conditions import BAND, boundary_band, mode_solutio
 from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import Beam, FloatArray, Problem
+from lapjoint.problem import FloatArray, Line, Problem
 from lapjoint.problem.masses import Mass
 
 _POOL = 40  # least number of modes computed at once
@@ -74,7 +74,7 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
     """
     layout = layout_of(problem, state.closed)
     parts = tuple(tuple(getattr(layout, field.name).tolist()) for field in fields(layout))
-    return _exact_modes(problem.beam, problem.masses, parts, pool_size(count)).head(count)
+    return _exact_modes(problem.line, problem.structure.masses, parts, pool_size(count)).head(count)
 
 
 def pool_size(count: int) -> int:
@@ -86,7 +86,7 @@ def pool_size(count: int) -> int:
 
 
 @lru_cache(maxsize=64)
-def _exact_modes(beam: Beam, masses: tuple[Mass, ...], parts: tuple[tuple[float, ...], ...], count: int) -> NormalModes:
+def _exact_modes(beam: Line, masses: tuple[Mass, ...], parts: tuple[tuple[float, ...], ...], count: int) -> NormalModes:
     """The modes of a beam with masses; `parts` are those of its layout."""
     L, layout, inertia = beam.length, Layout(*map(np.array, parts)), inertia_of(beam, masses)
     z = frequencies(layout, count)

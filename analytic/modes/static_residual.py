@@ -98,7 +98,7 @@ class Residual:
 
 def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: Loads, modal: FloatArray) -> Residual:
     """The residual shape, m, of each load p_l in a state; `modal`, ``(loads, modes)``, is (Phi_i, p_l), kg^-1/2 N."""
-    beam = problem.beam
+    beam = problem.line
     sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m
     foundation = _foundation_shapes(problem, state, loads, sigma)
     return Residual(foundation, modes.shapes, modal / (modes.omega**2 + sigma))
@@ -106,10 +106,10 @@ def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: L
 
 def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, sigma: float) -> Foundation:
     """Deflections under each load of the beam on springs, with a further stiffness of `sigma`, 1/s2, times its mass."""
-    layout, L, EI = layout_of(problem, state.closed), problem.beam.length, problem.beam.EI
+    layout, L, EI = layout_of(problem, state.closed), problem.line.length, problem.line.EI
     solutions, n, spans = foundation_solutions(layout, _FOUNDATION), loads.distributed.shape[0], layout.spans.size
     band, (factors,) = boundary_band(layout, solutions)
-    constant = loads.distributed / (sigma * problem.beam.m * layout.span_masses)
+    constant = loads.distributed / (sigma * problem.line.m * layout.span_masses)
     right_hand = np.zeros((4 * spans, n))
     for node in range(layout.x.size):
         row, own = force_row(layout, node), constant[:, min(node, spans - 1)]

@@ -65,7 +65,7 @@ def _switched(joint: PublishedJoint, state: ContactState, motion: FrozenMotion) 
     """Close and open stops whose gaps have changed since the section point was taken."""
     z = _at_stops(joint, motion)
     closed = []
-    for k, stop in enumerate(joint.problem.stops):
+    for k, stop in enumerate(joint.problem.structure.stops):
         least = stop.gap - TOUCHING * abs(stop.gap) if k in state else stop.gap
         if stop.sign * z[k] > least:
             closed.append(k)

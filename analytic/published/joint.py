@@ -44,7 +44,7 @@ class PublishedJoint(Joint):
     ) -> None:
         super().__init__(problem, free_modes, contact_modes, side)
         if self.damped:
-            stops = self.loaded.problem.stops
+            stops = self.loaded.problem.structure.stops
             k = next(k for k, stop in enumerate(stops) if stop.damping > 0)
             raise InputError(f"stops[{k}].damping = {stops[k].damping:g}: the published scheme has no damped stops")
 

@@ -99,7 +99,7 @@ def _energies(joint: PublishedJoint, slots: IntArray, coefficients: FloatArray) 
     omega, stops = np.zeros((states, size)), np.zeros((states, size, joint.stops))
     for slot, modal in enumerate(map(joint.modal, joint.states)):
         omega[slot, : modal.size], stops[slot, : modal.size] = modal.modes.omega, modal.at_stops.T
-    closed = joint.tables.closed[:states] * np.array([stop.stiffness for stop in joint.problem.stops])
+    closed = joint.tables.closed[:states] * np.array([stop.stiffness for stop in joint.problem.structure.stops])
     at_stops = stops.reshape(states * size, -1)
     springs = (stops * closed[:, None, :]).reshape(states * size, -1) @ at_stops.T
     bending = omega.reshape(-1, 1) ** 2 * _products(joint) - springs

@@ -222,13 +222,14 @@ def _refuse_what_was_not_published(problem: Problem) -> None:
         path = next(iter(problem.random))
         raise InputError(f"{path}: the published scheme knows no random excitation; allowed are sines")
     for field, value, allowed in (
-        ("masses", problem.masses, "beams without masses"),
-        ("beam.segments", problem.beam.segments, "uniform beams"),
+        ("masses", problem.structure.masses, "beams without masses"),
+        ("beams", problem.beams, "one [beam]"),
+        ("beam.segments", problem.line.beams[0].segments, "uniform beams"),
         ("gravity", problem.gravity, "loads at points"),
         ("uniform_loads", problem.uniform_loads, "loads at points"),
     ):
         if value:
             raise InputError(f"{field}: the published scheme knows none; allowed are {allowed}")
-    for i, stop in enumerate(problem.stops):
+    for i, stop in enumerate(problem.structure.stops):
         if stop.in_space:
             raise InputError(f'stops[{i}].fixed_to = "space": the published scheme knows stops that move with the base')

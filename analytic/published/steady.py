@@ -148,7 +148,7 @@ def steady_state(
 
 def _mean_impulses(problem: Problem, rows: FloatArray) -> FloatArray:
     """Mean impulse of each stop over the last `_CYCLES_AVERAGED` cycles, N s, shape ``(P,)``."""
-    stiffness = np.array([stop.sign * stop.stiffness for stop in problem.stops])
+    stiffness = np.array([stop.sign * stop.stiffness for stop in problem.structure.stops])
     return np.asarray(stiffness * rows[-_CYCLES_AVERAGED:, : stiffness.size].mean(axis=0))
 
 
@@ -156,7 +156,7 @@ def is_symmetric(history: History) -> bool:
     """Whether z(x, t + T/2) = -z(x, t) at the stops, to `_SYMMETRIC`, in a motion of the length T."""
     half = (history.end - history.start) / 2
     t = history.start + half * np.arange(_SAMPLES) / _SAMPLES
-    x = np.array(sorted({stop.x for stop in history.problem.stops} or {history.problem.beam.length}))
+    x = np.array(sorted({stop.x for stop in history.problem.structure.stops} or {history.problem.line.length}))
     z, later = history.displacement(x, t), history.displacement(x, t + half)
     return bool(np.abs(z + later).max() <= _SYMMETRIC * np.abs(z).max())
 

@@ -142,7 +142,7 @@ class Arcs:
     @in_one_thread
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The arcs as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
-        states, stops = sequence.states, self.problem.stops
+        states, stops = sequence.states, self.problem.structure.stops
         keys = [stop.place for stop in stops]
         places = np.array([keys.index(place) for place in sorted(set(keys))], dtype=np.intp)
         sums = {state: self.model.system(state) for state in states}

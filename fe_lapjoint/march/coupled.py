@@ -34,7 +34,8 @@ from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Stop
+from lapjoint.problem import FloatArray
+from lapjoint.problem.supports_and_stops import PlacedStop
 
 _SKEW = 3e6
 """Condition number of the eigenvectors from which on results keep fewer than nine digits: two of them nearly coincide.
@@ -374,7 +375,7 @@ def _powers_of(s: FloatArray, dt: int) -> FloatArray:
 
 
 def coupled_system(
-    base: System, state: ContactState, stops: Sequence[Stop], own: FloatArray, alike: Coupled | None
+    base: System, state: ContactState, stops: Sequence[PlacedStop], own: FloatArray, alike: Coupled | None
 ) -> Coupled:
     """A state in which damped stops are closed, from the one in which the springs that act are closed stops.
 
@@ -411,7 +412,7 @@ def coupled_system(
     )
 
 
-def searched_rows(stops: Sequence[Stop], state: ContactState) -> IndexArray:
+def searched_rows(stops: Sequence[PlacedStop], state: ContactState) -> IndexArray:
     """The gap functions that may switch: those of all stops, and those of the forces of closed stops that end."""
     damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
     forces = [i for i, k in enumerate(damped, len(stops)) if k in state and not stops[k].may_pull]

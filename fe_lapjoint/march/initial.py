@@ -39,7 +39,7 @@ def initial_state(model: Model) -> ContactState:
 
     A stop is open if the beam touches it and no derivative examined differs from 0.
     """
-    initial, stops = start_of(model.problem), model.problem.stops
+    initial, stops = start_of(model.problem), model.problem.structure.stops
     base, of_base = _base_motion(model, 0)
     z = np.array([float(initial.displacement_at(np.array(it.x))) for it in stops]) + base
     gaps = model.sign * z - model.gap
@@ -62,7 +62,7 @@ def _with_released(model: Model, state: ContactState) -> ContactState:
     """The state with the damped stops released that would pull at t = 0, although they may not."""
     released = []
     for k in model.damped:
-        stop, depth, rate = model.problem.stops[k], *_depth_and_rate(model, k)
+        stop, depth, rate = model.problem.structure.stops[k], *_depth_and_rate(model, k)
         if k in state and not stop.may_pull and stop.stiffness * depth + stop.damping * rate < 0:
             released.append(k)
     return ContactState(state.closed, tuple(released))
@@ -70,9 +70,9 @@ def _with_released(model: Model, state: ContactState) -> ContactState:
 
 def _depth_and_rate(model: Model, k: int) -> tuple[float, float]:
     """How far the beam is beyond the gap of a stop at t = 0, m, and how fast it goes there, m/s."""
-    initial, stop = start_of(model.problem), model.problem.stops[k]
+    initial, stop = start_of(model.problem), model.problem.structure.stops[k]
     shapes = initial.displacement_at, initial.velocity_at
-    z, rate = (float(shape(np.array(stop.x)) + _base_motion(model, n)[0][k]) for n, shape in enumerate(shapes))
+    z, rate = (float(stop.seen(shape) + _base_motion(model, n)[0][k]) for n, shape in enumerate(shapes))
     return stop.sign * z - stop.gap, stop.sign * rate
 
 
@@ -81,7 +81,7 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
     ``(P,)`` each."""
     initial, system, (base, of_base) = start_of(model.problem), model.system(state), _base_motion(model, order)
     if order == 1:
-        rate = [float(initial.velocity_at(np.array(stop.x))) for stop in model.problem.stops]
+        rate = [stop.seen(initial.velocity_at) for stop in model.problem.structure.stops]
         fastest = float(np.abs(initial.velocity_at(model.assembly.nodes)).max())
         return np.array(rate) + base, _DIGITS_LOST * fastest + of_base
     v = initial_coordinates(model.assembly, system)[system.omega.size :]
@@ -105,10 +105,10 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
 
 def _base_motion(model: Model, order: int) -> tuple[FloatArray, FloatArray]:
     """A time derivative of y at t = 0 as each stop's gap sees it, and its rounding error, m/s^order, ``(P,)`` each."""
-    in_space = np.array([stop.in_space for stop in model.problem.stops], dtype=float)
+    shares = np.array([stop.base_share for stop in model.problem.structure.stops])
     sizes = [(wave.amplitude * wave.angular_frequency**order, wave.phase) for wave in model.problem.moved_stops]
     total = sum(size * (1j**order * np.exp(1j * phase)).imag for size, phase in sizes)
-    return in_space * total, in_space * _DIGITS_LOST * sum(size * (1 + abs(phase)) for size, phase in sizes)
+    return shares * total, np.abs(shares) * _DIGITS_LOST * sum(size * (1 + abs(phase)) for size, phase in sizes)
 
 
 def _cleared(values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -159,5 +159,5 @@ def initial_coordinates(assembly: Assembly, system: System) -> FloatArray:
 
 def _nodal(assembly: Assembly, shape: ShapeFunction) -> FloatArray:
     """The free degrees of freedom of a shape, by Hermite interpolation, in the unit of the shape, ``(n,)``."""
-    L = assembly.problem.beam.length
+    L = assembly.problem.line.length
     return np.stack([shape(assembly.nodes), L * shape(assembly.nodes, 1)], axis=1).ravel()[assembly.free]

@@ -266,11 +266,11 @@ def window_of(model: Model, state: ContactState) -> float:
     The search is by bounds, which hold in a window of any length.  A library method gives no bounds; its windows depend
     on bending alone.
     """
-    beam = model.problem.beam
+    beam = model.problem.line
     slow = math.sqrt(beam.EI / (beam.m * beam.length**4))
     if model.method == "exact":
         omega = model.undamped(ContactState(tuple(range(model.sign.size)))).omega
-        carried = sum(mass.mass + mass.rotary_inertia / beam.length**2 for mass in model.problem.masses)
+        carried = sum(mass.mass + mass.rotary_inertia / beam.length**2 for mass in model.problem.structure.masses)
         lighter = math.sqrt(1 + carried / (beam.m * beam.length))
         slow = min(slow, lighter * float(omega[omega > 0].min(initial=math.inf)))
     return 2 * math.pi / float(max([slow, *model.system(state).driven])) / WINDOWS_PER_PERIOD
@@ -396,7 +396,9 @@ def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end:
         stop=k,
         start=it.start,
         end=end,
-        impulse=float(model.sign[k]) * stiffness * (it.area if model.problem.stops[k].may_pull else max(it.area, 0.0)),
+        impulse=float(model.sign[k])
+        * stiffness
+        * (it.area if model.problem.structure.stops[k].may_pull else max(it.area, 0.0)),
         peak_force=stiffness * max(it.deepest, 0.0),
         open_start=it.open_start,
         open_end=open_end,

@@ -43,7 +43,7 @@ class Model:
     """A model that differs by the excitation alone, whose contact states are shared."""
 
     def __post_init__(self) -> None:
-        stops = self.problem.stops
+        stops = self.problem.structure.stops
         self.sign = np.array([stop.sign for stop in stops], dtype=float)
         self.gap = np.array([stop.gap for stop in stops], dtype=float)
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
@@ -54,7 +54,7 @@ class Model:
 
     def _refuse_what_damped_stops_do_not_reach(self) -> None:
         k = self.damped[0]
-        text = f"stops[{k}].damping = {self.problem.stops[k].damping:g}: the finite element solver takes damped stops "
+        text = f"stops[{k}].damping = {self.problem.structure.stops[k].damping:g}: the finite element solver takes damped stops "
         if self.problem.forces.ramps is not None:
             raise InputError(text + "with harmonic and constant forces, and not with records or random motion")
         if self.method != "exact":
@@ -94,7 +94,7 @@ class Model:
             own = S @ np.diag(2 * self.undamped(closed).damping_rate) @ S.T
         alike = None if self._alike is None else self._alike.system(state)
         assert alike is None or isinstance(alike, Coupled)
-        return coupled_system(base, state, self.problem.stops, own, alike)
+        return coupled_system(base, state, self.problem.structure.stops, own, alike)
 
     def rows(self, state: ContactState) -> IndexArray | slice:
         """Which of the gap functions, of ``P`` stops and then of the forces of damped stops, may switch in a state."""
@@ -102,7 +102,7 @@ class Model:
             return _ALL
         rows = self._rows.get(state)
         if rows is None:
-            rows = self._rows[state] = searched_rows(self.problem.stops, state)
+            rows = self._rows[state] = searched_rows(self.problem.structure.stops, state)
         return rows
 
     def after(self, state: ContactState, row: int) -> ContactState:

@@ -37,10 +37,10 @@ def understood(problem: Problem, point: SectionPoint) -> FloatArray:
     coordinates, nodes = np.asarray(point.coordinates), point.nodes
     if nodes is None or nodes.ndim != 1 or coordinates.shape != (2, 2 * nodes.size):
         raise InputError("start: is no section point of a finite element solver")
-    foreign = [k for k in point.state.closed if not 0 <= k < len(problem.stops)]
+    foreign = [k for k in point.state.closed if not 0 <= k < len(problem.structure.stops)]
     if foreign:
         raise InputError(
-            f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to {len(problem.stops)}"
+            f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to {len(problem.structure.stops)}"
         )
     if not (np.isfinite(coordinates).all() and np.isfinite(nodes).all()):
         raise InputError("start: has coordinates that are not finite")

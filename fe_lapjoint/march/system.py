@@ -341,11 +341,11 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
-        stop = problem.stops[k]
+        stop = problem.structure.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     stops = assembly.stop_rows @ vectors
-    places = np.stack([assembly.stop_places, [stop.in_space for stop in problem.stops]], axis=1)
-    _, first, place_of = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    place_of = assembly.stop_places
+    first = np.unique(place_of, return_index=True)[1]
     for step in problem.forces.constant:
         f0 += step.force * assembly.load(step.shape)
     return System(
@@ -359,7 +359,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         phase=np.array([load.phase for load in _waves(problem)]),
         stops=stops,
         places=stops[first],
-        place_of=place_of.ravel(),
+        place_of=place_of,
         seen=seen[first],
         ramps=_modal_ramps(assembly, vectors),
     )
@@ -388,12 +388,12 @@ def _harmonic_loads(
     Modal amplitudes, kg^1/2 m/s2, ``(n, H)``; angular frequencies, rad/s, ``(H,)``; and the amplitude of y that each
     stop's gap sees, m, ``(P, H)``.
     """
-    loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.stops
-    springs = np.array([stop.stiffness * (stop.in_space and k in state) for k, stop in enumerate(stops)], dtype=float)
+    loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.structure.stops
+    springs = np.array([stop.stiffness * stop.base_share * (k in state) for k, stop in enumerate(stops)], dtype=float)
     columns = [load.amplitude * assembly.load(load.shape) for load in loads]
     columns += [-wave.amplitude * (springs @ assembly.stop_rows) for wave in waves]
     forces = np.array(columns).reshape(len(columns), vectors.shape[0]).T
-    seen = np.outer([stop.in_space for stop in stops], [0.0] * len(loads) + [wave.amplitude for wave in waves])
+    seen = np.outer([stop.base_share for stop in stops], [0.0] * len(loads) + [wave.amplitude for wave in waves])
     return vectors.T @ forces, np.array([load.angular_frequency for load in _waves(problem)]), seen
 
 
@@ -423,4 +423,4 @@ def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
     coefficient = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
-    return np.full(omega.size, coefficient / (2 * assembly.problem.beam.m))
+    return np.full(omega.size, coefficient / (2 * assembly.problem.line.m))

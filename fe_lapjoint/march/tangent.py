@@ -259,7 +259,7 @@ def _jump(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, co
         delay = -(row @ columns[:n]) / (row @ y[n:] + old.seen_motion(at, 1)[piece.switched, 0])
     else:  # a force ends or begins where z + (c / k) z' is at the gap
         k = model.damped[piece.switched - model.sign.size]
-        lag = model.problem.stops[k].damping / model.stiffness[k]
+        lag = model.problem.structure.stops[k].damping / model.stiffness[k]
         row = np.concatenate([old.stops[k], lag * old.stops[k]])
         seen = old.seen_motion(at, 1)[k, 0] + lag * old.seen_motion(at, 2)[k, 0]
         delay = -(row @ columns) / (row @ rates + seen)

@@ -79,7 +79,7 @@ class Assembly:
         size, middle = 2 * self.nodes.size, (self.nodes[:-1] + self.nodes[1:]) / 2
         K, M = np.zeros((size, size)), np.zeros((size, size))
         k, m = unit_element()
-        beam = self.problem.beam
+        beam = self.problem.line
         rows = zip(np.diff(self.nodes), beam.EI_at(middle), beam.inertia_at(middle), strict=True)
         for e, (h, EI, inertia) in enumerate(rows):
             here, slope = slice(2 * e, 2 * e + 4), h / beam.length
@@ -92,7 +92,7 @@ class Assembly:
     def strain_points(self) -> tuple[FloatArray, FloatArray]:
         """Two Gauss points an element, m, and sqrt(EI w) with their weights w, N^1/2 m^3/2, ``(2 e,)`` each."""
         x, w = two_points(self.nodes[:-1], self.nodes[1:])
-        return x, np.sqrt(self.problem.beam.EI_at(x) * w)
+        return x, np.sqrt(self.problem.line.EI_at(x) * w)
 
     @cached_property
     def curvature(self) -> FloatArray:
@@ -106,8 +106,8 @@ class Assembly:
     @property
     def mass(self) -> FloatArray:
         """Mass of the free degrees of freedom, kg, ``(n, n)``: consistent of the beam, and the masses on it."""
-        M, L = self._matrices[1][np.ix_(self.free, self.free)], self.problem.beam.length
-        for it in self.problem.masses:
+        M, L = self._matrices[1][np.ix_(self.free, self.free)], self.problem.line.length
+        for it in self.problem.structure.masses:
             for row, size in ((self.reading(it.x), it.mass), (self.reading(it.x, 1), it.rotary_inertia / L**2)):
                 M += size * np.outer(row, row)
         return np.asarray(M)
@@ -138,7 +138,7 @@ class Assembly:
     def free(self) -> npt.NDArray[np.int64]:
         """Indices of the degrees of freedom that no infinite spring fixes, shape ``(n,)``."""
         fixed = set()
-        for support in self.problem.supports:
+        for support in self.problem.structure.supports:
             node = self.node(support.x)
             if math.isinf(support.translational):
                 fixed.add(2 * node)
@@ -153,7 +153,7 @@ class Assembly:
     def place(self, x: float) -> float:
         """A position, m, or the position of a node from which it differs by rounding only."""
         near = float(self.nodes[self.node(x)])
-        return near if abs(near - x) <= SAME * self.problem.beam.length else x
+        return near if abs(near - x) <= SAME * self.problem.line.length else x
 
     def reading(self, x: float, derivative: int = 0) -> FloatArray:
         """The row, ``(n,)``, that reads z (`derivative` 0) or L z_x (1) at a position; at a node its entries are 0 and
@@ -162,17 +162,23 @@ class Assembly:
         The row is also the load vector of a unit force at the position, or of a unit couple divided by L.
         """
         row = self.shapes(np.array([self.place(x)]), derivative)[0]
-        return np.asarray(row * self.problem.beam.length**derivative)
+        return np.asarray(row * self.problem.line.length**derivative)
 
     @cached_property
-    def stop_places(self) -> FloatArray:
-        """Positions of the stops, m, shape ``(P,)``; see `place`."""
-        return np.array([self.place(stop.x) for stop in self.problem.stops], dtype=float)
+    def stop_places(self) -> npt.NDArray[np.int64]:
+        """For each stop the number of what its gap sees, from 0, shape ``(P,)``: stops that see the same share it."""
+        stops = self.problem.structure.stops
+        seen = [(*((self.place(x), a) for x, a in stop.reading), (stop.base_share, 0.0)) for stop in stops]
+        places = sorted(set(seen))
+        return np.array([places.index(one) for one in seen], dtype=np.int64)
 
     @cached_property
     def stop_rows(self) -> FloatArray:
         """Rows that read z at the stops, without unit, shape ``(P, n)``."""
-        rows = [self.reading(stop.x) for stop in self.problem.stops]
+        rows = [
+            sum((factor * self.reading(x) for x, factor in stop.reading), np.zeros(self.free.size))
+            for stop in self.problem.structure.stops
+        ]
         return np.array(rows).reshape(len(rows), self.free.size)
 
     def springs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
@@ -180,13 +186,13 @@ class Assembly:
 
         Their energy is half of ``k @ (rows @ u)**2``.  The stiffness of a torsional spring is divided by L^2.
         """
-        L, found = self.problem.beam.length, []
-        for support in self.problem.supports:
+        L, found = self.problem.line.length, []
+        for support in self.problem.structure.supports:
             if 0 < support.translational < math.inf:
                 found.append((self.reading(support.x), support.translational))
             if 0 < support.torsional < math.inf:
                 found.append((self.reading(support.x, 1), support.torsional / L**2))
-        found += [(self.stop_rows[k], self.problem.stops[k].stiffness) for k in state.closed]
+        found += [(self.stop_rows[k], self.problem.structure.stops[k].stiffness) for k in state.closed]
         rows = np.array([row for row, _ in found]).reshape(len(found), self.free.size)
         return rows, np.array([k for _, k in found], dtype=float)
 
@@ -214,16 +220,16 @@ class Assembly:
         """Translation, and rotation about a centre in beam lengths, of all degrees of freedom, ``(2 nodes, 2)``."""
         full = np.zeros((2 * self.nodes.size, 2))
         full[::2, 0] = 1.0
-        full[::2, 1] = self.nodes / self.problem.beam.length - centre
+        full[::2, 1] = self.nodes / self.problem.line.length - centre
         full[1::2, 1] = 1.0
         return full
 
     def rigid_modes(self, state: ContactState) -> int:
         """Number of rigid-body modes, 0 to 2, that supports and closed stops leave."""
-        L, supports = self.problem.beam.length, self.problem.supports
+        L, supports = self.problem.line.length, self.problem.structure.supports
         rows = [(1.0, s.x / L) for s in supports if s.translational > 0]
         rows += [(0.0, 1.0) for s in supports if s.torsional > 0]
-        rows += [(1.0, self.problem.stops[k].x / L) for k in state.closed]
+        rows += [(1.0, self.problem.structure.stops[k].x / L) for k in state.closed]
         return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
 
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
@@ -235,7 +241,7 @@ class Assembly:
         e = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
         h = np.diff(self.nodes)[e]
         s = (x - self.nodes[e]) / h
-        L = self.problem.beam.length
+        L = self.problem.line.length
         values = _hermite(s, derivative) / h**derivative  # (4, k)
         values[1::2] *= h / L
         full = np.zeros((x.size, 2 * self.nodes.size))

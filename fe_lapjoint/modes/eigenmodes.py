@@ -3,6 +3,7 @@ digits."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +12,8 @@ from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray, NoDamping, Problem, Stop
+from lapjoint.problem import FloatArray, NoDamping, PlacedStop
+from lapjoint.problem.problem import resting
 from lapjoint.problem.structure import Structure, structure_of
 
 _SOFT = 0.1
@@ -43,28 +45,27 @@ def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatA
     return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
 
 
-Springs = tuple[tuple[float, float], ...]
-"""Closed stops: the position, m, and the stiffness, N/m, of each, ascending."""
+Springs = tuple[tuple[tuple[tuple[float, float], ...], float], ...]
+"""Closed stops: what the gap of each sees, see `PlacedStop.reading`, and the stiffness, N/m; ascending."""
 Mesh = tuple[Structure, tuple[float, ...]]
 """A beam with its supports and masses, without stops and damping; and the nodes, m."""
 
 
 def _mesh(assembly: Assembly) -> Mesh:
-    problem = assembly.problem
-    joint = structure_of(problem.beam, problem.supports, (), NoDamping(), problem.masses)
+    it = assembly.problem.structure
+    joint = structure_of(it.line, it.supports, (), NoDamping(), it.masses, it.links)
     return joint, tuple(assembly.nodes.tolist())
 
 
 def _assembled(joint: Structure, nodes: tuple[float, ...], springs: Springs = ()) -> Assembly:
     """A joint on a mesh, with a stop for each spring besides its supports."""
-    stops = tuple(Stop(x=x, side="top", gap=0.0, stiffness=k) for x, k in springs)
-    problem = Problem(beam=joint.beam, supports=joint.supports, masses=joint.masses, stops=stops)
-    return Assembly(problem, np.array(nodes))
+    stops = tuple(PlacedStop(1, reading, 0.0, 0.0, k, 0.0, False, "", "top") for reading, k in springs)
+    return Assembly(resting(replace(joint, stops=stops)), np.array(nodes))
 
 
 def _springs(assembly: Assembly, state: ContactState) -> Springs:
-    stops = assembly.problem.stops
-    return tuple(sorted((stops[k].x, stops[k].stiffness) for k in state.closed))
+    stops = assembly.problem.structure.stops
+    return tuple(sorted((stops[k].reading, stops[k].stiffness) for k in state.closed))
 
 
 @lru_cache(maxsize=64)
@@ -136,7 +137,7 @@ def _rayleigh(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: Floa
 
 def _softly_held(assembly: Assembly, rows: FloatArray, k: FloatArray) -> FloatArray:
     """Rigid-body motions that springs hold softly or not at all, mass-normalised as columns, ``(n, 0 to 2)``."""
-    beam, rigid = assembly.problem.beam, assembly.rigid_motions
+    beam, rigid = assembly.problem.line, assembly.rigid_motions
     count = rigid.shape[1]
     held = np.vstack([np.sqrt(k)[:, None] * (rows @ rigid), np.zeros((count, count))])
     _, size, directions = np.linalg.svd(held)
@@ -187,7 +188,7 @@ def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
     A mode far slower than the beam's bending would take the digits of the next modes in the inverted problem, so the
     problem is shifted then: a soft spring or a heavy mass makes such modes.
     """
-    beam = assembly.problem.beam
+    beam = assembly.problem.line
     unit = beam.EI / (beam.m * beam.length**4)  # 1/s^2
     square, direct = eigh(K, M)
     sigma = unit if square[0] < unit else 0.0
@@ -211,7 +212,7 @@ def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
 
 def _singular(assembly: Assembly) -> SolverError:
     """What is wrong with a mesh whose stiffness is singular to rounding, and what to change."""
-    h, EI = np.diff(assembly.nodes), [piece.EI for piece in assembly.problem.beam.pieces]
+    h, EI = np.diff(assembly.nodes), [piece.EI for piece in assembly.problem.line.pieces]
     return SolverError(
         f"the stiffness of the mesh is singular to rounding: its elements are {h.min():.3g} to {h.max():.3g} m long, "
         f"and EI changes by a factor of {max(EI) / min(EI):.3g} along the beam; take fewer elements, or nodes farther "

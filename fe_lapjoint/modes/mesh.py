@@ -23,7 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Beam, FloatArray, Problem
+from lapjoint.problem import FloatArray, Line, Problem
+from lapjoint.problem.placing import masses_of, supports_of, uniform_load_shape
 
 SAME = 1e-12
 """Positions nearer than this, in beam lengths, are one: a few thousand rounding errors, more than a sum accumulates."""
@@ -50,11 +51,11 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
     also raised if a fixed support, a stiff spring, a mass or a step is nearer than `CLOSE` to another part or to an
     end, without being at the same position.
     """
-    L = problem.beam.length
+    L = problem.line.length
     required = _required(problem)
     if given is not None:
         return _with_given(required, given, L)
-    waves = _waves(problem.beam, (required[:-1] + required[1:]) / 2)
+    waves = _waves(problem.line, (required[:-1] + required[1:]) / 2)
     pieces = []
     for (a, b), wave in zip(itertools.pairwise(required), waves.tolist(), strict=True):
         count = min(round(elements * (b - a) / L * wave), math.floor((b - a) / (CLOSE * L)))
@@ -62,7 +63,7 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
     return np.concatenate([*pieces, required[-1:]])
 
 
-def _waves(beam: Beam, x: FloatArray) -> FloatArray:
+def _waves(beam: Line, x: FloatArray) -> FloatArray:
     """Waves per length at positions, m, ``(k,)``, divided by their mean along the beam; 1 without steps."""
     steps = _steps(beam)
     edges = np.array([0.0, *(step for step, _ in steps), beam.length])
@@ -71,7 +72,7 @@ def _waves(beam: Beam, x: FloatArray) -> FloatArray:
     return np.asarray(density / (np.diff(edges) @ own) * beam.length if steps else np.ones(x.size))
 
 
-def _steps(beam: Beam) -> list[tuple[float, str]]:
+def _steps(beam: Line) -> list[tuple[float, str]]:
     """Positions, m, where stiffness or inertia changes, and the fields that state them."""
     return [
         (one.end, f"beam.segments[{i}].to")
@@ -95,24 +96,29 @@ class _Place(NamedTuple):
 
 def _places(problem: Problem) -> Iterator[_Place]:
     """Steps, supports, stops, masses and loads."""
-    for x, name in _steps(problem.beam):
+    for x, name in _steps(problem.line):
         yield _Place(x, name, math.inf)
-    for i, support in enumerate(problem.supports):
-        yield _Place(support.x, f"supports[{i}].x", support.translational, support.torsional)
-    for i, stop in enumerate(problem.stops):
-        yield _Place(stop.x, f"stops[{i}].x", stop.stiffness)
-    for i, mass in enumerate(problem.masses):
-        yield _Place(mass.x, f"masses[{i}].x", math.inf if mass.mass or mass.rotary_inertia else 0.0)
+    for path, support in supports_of(problem, problem.line):
+        yield _Place(support.x, f"{path}.x", support.translational, support.torsional)
+    for i, stop in enumerate(problem.structure.stops):
+        for x, _ in stop.reading:
+            yield _Place(x, f"stops[{i}].x", stop.stiffness)
+    for i, link in enumerate(problem.structure.links):
+        for x in (link.first, link.second):
+            yield _Place(x, f"links[{i}].between", link.translational, link.torsional)
+    for path, mass in masses_of(problem, problem.line):
+        yield _Place(mass.x, f"{path}.x", math.inf if mass.mass or mass.rotary_inertia else 0.0)
     for i, load in enumerate(problem.point_loads):
-        yield _Place(load.x, f"point_loads[{i}].x")
+        yield _Place(problem.line.at(load.x), f"point_loads[{i}].x")
     for i, along in enumerate(problem.uniform_loads):
-        yield _Place(along.start, f"uniform_loads[{i}].from")
-        yield _Place(problem.beam.length if along.to is None else along.to, f"uniform_loads[{i}].to")
+        ((start, end, _),) = uniform_load_shape(along, problem.line).pieces
+        yield _Place(start, f"uniform_loads[{i}].from")
+        yield _Place(end, f"uniform_loads[{i}].to")
 
 
 def _required(problem: Problem) -> FloatArray:
     """Ends and places of parts, each position once, none nearer to another than `CLOSE`; ascending, m."""
-    beam = problem.beam
+    beam = problem.line
     L = beam.length
     chosen = {0.0: "the end of the beam", L: "the end of the beam"}
     for x, name, k, kt in sorted(_places(problem), key=lambda it: (not math.isinf(it.k + it.kt), it.x, it.name)):

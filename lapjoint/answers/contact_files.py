@@ -68,7 +68,7 @@ def write_contacts(history: History, path: str | Path) -> None:
 
 def contact_rows(history: History) -> list[dict[str, Any]]:
     """The contacts of a history as rows with the keys `CONTACT_COLUMNS`, by start time; units are in the keys."""
-    stops, names = history.problem.stops, history.problem.stop_names
+    stops, names = history.problem.structure.stops, history.problem.stop_names
     return [
         {
             "stop": names[c.stop],

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from lapjoint.errors import InputError
-from lapjoint.problem import Problem
+from lapjoint.problem import PlacedStop, Problem
 
 
 @dataclass(frozen=True, order=True)
@@ -108,21 +108,30 @@ def can_be_closed(problem: Problem, state: ContactState) -> bool:
 
 
 def places(problem: Problem) -> list[list[int]]:
-    """The stops of each place (`Stop.place`), from the root to the tip: one displacement decides which are closed."""
-    at: dict[tuple[float, bool], list[int]] = {}
-    for i, stop in enumerate(problem.stops):
-        at.setdefault(stop.place, []).append(i)
-    return [at[place] for place in sorted(at)]
+    """The stops of each place (`PlacedStop.place`), ascending; a place seen from both sides is one.
+
+    One displacement decides which stops of a place are closed.
+    """
+    at: dict[object, list[int]] = {}
+    for i, stop in enumerate(problem.structure.stops):
+        at.setdefault(_from_one_side(stop)[0], []).append(i)
+    return [at[place] for place in sorted(at, key=repr)]
+
+
+def _from_one_side(stop: PlacedStop) -> tuple[object, int]:
+    """What a gap sees, with the factor 1 at the leftmost position, and the sign that belongs to it."""
+    factor = 1 if min(stop.reading)[1] > 0 else -1
+    return (tuple(sorted((x, factor * a) for x, a in stop.reading)), factor * stop.base_share), factor * stop.sign
 
 
 def closed_together(problem: Problem, here: Sequence[int]) -> set[tuple[int, ...]]:
     """The sets of stops of one place, of indices `here`, that some displacement there closes."""
-    edges = sorted({problem.stops[i].sign * problem.stops[i].gap for i in here})
+    stops = {i: problem.structure.stops[i] for i in here}
+    sign = {i: _from_one_side(stop)[1] for i, stop in stops.items()}
+    edges = sorted({sign[i] * stop.gap for i, stop in stops.items()})
     between = [(a + b) / 2 for a, b in itertools.pairwise(edges)]
     beyond = [-math.inf, math.inf]
-    return {
-        tuple(i for i in here if problem.stops[i].sign * z > problem.stops[i].gap) for z in (*beyond, *between, *edges)
-    }
+    return {tuple(i for i in here if sign[i] * z > stops[i].gap) for z in (*beyond, *between, *edges)}
 
 
 # The paper's Table 1, by (place, side) of the closed stops; Table 4 gives the order of states 6 to 9.
@@ -141,8 +150,8 @@ _PAPER_STATES = {
 
 def is_paper_joint(problem: Problem) -> bool:
     """Whether the stops are those of the paper: one on each side at mid-span and at the tip."""
-    L = problem.beam.length
-    places = sorted((stop.x, stop.side) for stop in problem.stops)
+    L = problem.line.length
+    places = sorted((stop.x, stop.side) for stop in problem.structure.stops)
     return places == [(L / 2, "bottom"), (L / 2, "top"), (L, "bottom"), (L, "top")]
 
 
@@ -168,9 +177,12 @@ def paper_state_number(problem: Problem, state: ContactState) -> int:
     """
     if not is_paper_joint(problem):
         raise ValueError("only the paper's joint, with stops at mid-span and tip, has numbered states")
-    tip = problem.beam.length
+    tip = problem.line.length
     return _PAPER_STATES[
-        frozenset(("tip" if problem.stops[i].x == tip else "mid", problem.stops[i].side) for i in state.closed)
+        frozenset(
+            ("tip" if problem.structure.stops[i].x == tip else "mid", problem.structure.stops[i].side)
+            for i in state.closed
+        )
     ]
 
 

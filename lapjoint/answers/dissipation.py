@@ -26,7 +26,7 @@ def with_dissipation(history: History, fastest: float) -> History:
     `fastest`, 1/s, is the largest rate at which a part of the motion decays or turns.
     """
     contacts = list(history.contacts)
-    for stop, it in enumerate(history.problem.stops):
+    for stop, it in enumerate(history.problem.structure.stops):
         which = [i for i, contact in enumerate(contacts) if contact.stop == stop]
         if it.damping > 0 and which:
             for i, lost in zip(which, _lost(history, stop, [contacts[i] for i in which], fastest), strict=True):
@@ -46,7 +46,10 @@ def _panels(a: float, b: float, turning: float, fastest: float) -> FloatArray:
 
 def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: float) -> list[float]:
     """The integral of F d' over each contact of one stop, J."""
-    it, turning = history.problem.stops[stop], max(history.highest_mode or 0.0, history.problem.forces.fastest)
+    it, turning = (
+        history.problem.structure.stops[stop],
+        max(history.highest_mode or 0.0, history.problem.forces.fastest),
+    )
     times, weights, sizes = [], [], []
     for contact in contacts:
         inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]

@@ -117,11 +117,11 @@ class Equilibrium(Shown):
 
     def moment(self, x: FloatArray | float) -> FloatArray:
         """EI z_xx, the bending moment, N m, shape (n,).  See `Equilibrium.evaluate`."""
-        return self.problem.beam.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 2)
+        return self.problem.line.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 2)
 
     def shear(self, x: FloatArray | float) -> FloatArray:
         """EI z_xxx, the shear force, N, shape (n,).  See `Equilibrium.evaluate`."""
-        return self.problem.beam.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 3)
+        return self.problem.line.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 3)
 
     def bending_stress(self, x: FloatArray | float) -> FloatArray:
         """-E c z_xx, the bending stress at the top of the section, Pa, tension positive.  See `Equilibrium.evaluate`.
@@ -130,7 +130,7 @@ class Equilibrium(Shown):
         stress of both sides.  A beam without a section is an `InputError`.
         """
         x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        return -self.problem.beam.stress_per_moment_at(x_) * self.moment(x_)
+        return -self.problem.line.stress_per_moment_at(x_) * self.moment(x_)
 
     def evaluate(self, x: FloatArray | float, derivative: int = 0) -> FloatArray:
         """Any derivative of z; where it jumps, the value is the one to the left (to the right at x = 0).
@@ -153,7 +153,7 @@ class Equilibrium(Shown):
             If a position is outside the beam.
         """
         x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        L = self.problem.beam.length
+        L = self.problem.line.length
         if np.any((x_ < 0) | (x_ > L)):
             raise ValueError(f"x must lie within the beam, 0 to {L:g} m")
         return self.shape(x_, derivative)
@@ -165,7 +165,7 @@ class Equilibrium(Shown):
 
     def largest_stress(self) -> Extreme:
         """The bending stress at the top, Pa, of largest magnitude along the beam; `InputError` without a section."""
-        beam = self.problem.beam
+        beam = self.problem.line
         beam.require_sections("stress")
         places = np.array(list(_moments(self)))
         stress = -beam.stress_per_moment_at(places[:, 0]) * places[:, 1]
@@ -203,11 +203,11 @@ class RestingStart:
 
     def pressed(self, stop: int) -> bool:
         """Whether a stop presses, whatever the base does; `stop` is its index."""
-        return stop in self.found.state and not self.found.problem.stops[stop].in_space
+        return stop in self.found.state and not self.found.problem.structure.stops[stop].in_space
 
     def kept_in(self, state: ContactState) -> bool:
         """Whether the equilibrium is one with the stops of a contact state closed, touching ones among them."""
-        stops = self.found.problem.stops
+        stops = self.found.problem.structure.stops
         return all(not stops[k].in_space for k in {*state.closed} ^ {*self.found.state.closed})
 
 
@@ -230,8 +230,12 @@ def _moments(found: Equilibrium) -> list[tuple[float, float]]:
 
 def breaks_of(problem: Problem) -> tuple[float, ...]:
     """Positions, m, ascending from 0 to L, of all that acts at points, and of all ends of segments and static loads."""
-    found = {0.0, problem.beam.length, *(piece.end for piece in problem.beam.pieces)}
-    found |= {part.x for group in (problem.supports, problem.stops, problem.masses) for part in group}
+    found = {0.0, problem.line.length, *(piece.end for piece in problem.line.pieces)}
+    found |= {
+        part.x
+        for group in (problem.structure.supports, problem.structure.stops, problem.structure.masses)
+        for part in group
+    }
     found |= {x for force in problem.forces.constant for x in force.shape.edges}
     return tuple(sorted(found))
 

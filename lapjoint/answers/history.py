@@ -10,6 +10,7 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.supports_and_stops import readings
 
 NO_ERRORS = "no errors were estimated"
 """The `History.error_source` of a motion without estimated errors."""
@@ -78,7 +79,7 @@ class Field(Protocol):
 
 def penetration_of(problem: Problem, seen: FloatArray) -> FloatArray:
     """Penetration of each stop, m, (stops, m), by the displacement that its gap sees, m, (stops, m)."""
-    sign = np.array([stop.sign for stop in problem.stops])[:, None]
+    sign = np.array([stop.sign for stop in problem.structure.stops])[:, None]
     gap = np.array([stop.gap for stop in problem.stops])[:, None]
     return np.asarray(sign * seen - gap)
 
@@ -153,7 +154,7 @@ class History(Shown):
         stress of both sides.  A beam without a section is an `InputError`.
         """
         x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        return -self.problem.beam.stress_per_moment_at(x_)[:, None] * self.moment(x_, t)
+        return -self.problem.line.stress_per_moment_at(x_)[:, None] * self.moment(x_, t)
 
     def shear(self, x: FloatArray | float, t: FloatArray | float) -> FloatArray:
         """EI z_xxx, the shear force (14b), N.  See `History.evaluate`."""
@@ -161,7 +162,7 @@ class History(Shown):
 
     def _stiffness(self, x: FloatArray | float) -> FloatArray:
         """EI, N m2, at positions, m, ``(n, 1)``."""
-        return self.problem.beam.EI_at(np.atleast_1d(np.asarray(x, dtype=float)))[:, None]
+        return self.problem.line.EI_at(np.atleast_1d(np.asarray(x, dtype=float)))[:, None]
 
     def evaluate(self, x: FloatArray | float, t: FloatArray | float, dx: int = 0, dt: int = 0) -> FloatArray:
         """Any derivative of z; `Field` defines its value where it jumps.
@@ -189,9 +190,7 @@ class History(Shown):
         """
         x_ = np.atleast_1d(np.asarray(x, dtype=float))
         t_ = np.atleast_1d(np.asarray(t, dtype=float))
-        L = self.problem.beam.length
-        if np.any((x_ < 0) | (x_ > L)):
-            raise ValueError(f"x must lie within the beam, 0 to {L:g} m")
+        self.problem.line.check(x_)
         if np.any((t_ < self.start) | (t_ > self.end)):
             raise ValueError(f"t must lie within the history, {self.start:g} to {self.end:g} s")
         return self.field(x_, t_, dx, dt)
@@ -224,7 +223,7 @@ class History(Shown):
         FloatArray, shape (stops, m)
             Forces, N, positive upwards; zero where a stop is open, and where a damped stop would pull but may not.
         """
-        stops, depth = self.problem.stops, self.penetration(t)
+        stops, depth = self.problem.structure.stops, self.penetration(t)
         sign_and_k = np.array([stop.sign * stop.stiffness for stop in stops])[:, None]
         force = np.asarray(-sign_and_k * np.maximum(depth, 0.0))
         damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
@@ -266,10 +265,10 @@ class History(Shown):
             m s^-dt.
         """
         t_ = np.atleast_1d(np.asarray(t, dtype=float))
-        if not self.problem.stops:
+        if not self.problem.structure.stops:
             return np.zeros((0, t_.size))
-        x, row = np.unique([stop.x for stop in self.problem.stops], return_inverse=True)
-        return self.evaluate(x, t_, dt=dt)[row] + self.base_of_stops(t_, dt)
+        x, seen = readings(self.problem.structure.stops)
+        return np.asarray(seen @ self.evaluate(x, t_, dt=dt) + self.base_of_stops(t_, dt))
 
     def base_of_stops(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The motion of the base that the gap of each stop sees: y(t) where the stop is fixed in space, else 0.
@@ -286,10 +285,10 @@ class History(Shown):
         FloatArray, shape (stops, m)
             m s^-dt.
         """
-        in_space = np.array([stop.in_space for stop in self.problem.stops])
-        if not in_space.any():
-            return np.zeros((in_space.size, t.size))
-        return np.outer(in_space, self.base(t, dt))
+        shares = np.array([stop.base_share for stop in self.problem.structure.stops])
+        if not shares.any():
+            return np.zeros((shares.size, t.size))
+        return np.outer(shares, self.base(t, dt))
 
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
         """Impulse of each stop, summed over the contacts that start in ``[start, end)``.

@@ -28,7 +28,7 @@ class Quantity:
 
     def factor(self, problem: Problem, x: FloatArray) -> FloatArray:
         """The factor of the derivative at places `x`, m, (n,), in `units` divided by the derivative's: shape (n, 1)."""
-        beam = problem.beam
+        beam = problem.line
         if self.dx < 2:
             return np.ones((x.size, 1))
         factor = beam.EI_at(x)
@@ -71,5 +71,5 @@ def checked_quantities(problem: Problem, names: Iterable[str], allowed: Collecti
         what = f"quantity {unknown[0]!r}: is unknown" if unknown else "quantity: none is named"
         raise InputError(f"{what}; allowed: {', '.join(allowed)}")
     if "stress" in chosen:
-        problem.beam.require_sections("quantity 'stress'")
+        problem.line.require_sections("quantity 'stress'")
     return chosen

@@ -185,21 +185,21 @@ def written(units: str) -> str:
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
     """The places `at` or, by default, the stops and the ends that no support fixes, m, each once."""
     if at is None:
-        L = problem.beam.length
-        fixed = {support.x for support in problem.supports if math.isinf(support.translational)}
+        L = problem.line.length
+        fixed = {support.x for support in problem.structure.supports if math.isinf(support.translational)}
         free = [end for end in (0.0, L) if end not in fixed]
-        return sorted({*free, *(stop.x for stop in problem.stops)}) or [L / 2]
+        return sorted({*free, *(stop.x for stop in problem.structure.stops)}) or [L / 2]
     if not len(at):
         raise InputError("at: names no place; one or more are needed")
-    return list(dict.fromkeys(problem.require_position(x) for x in at))
+    return list(dict.fromkeys(problem.position(x) for x in at))
 
 
 def _chosen(problem: Problem, quantities: Sequence[str] | None) -> list[str]:
     """The given quantities or, by default, the displacement and, if there are stops, the force; each once."""
     if quantities is None:
-        return ["displacement", FORCE] if problem.stops else ["displacement"]
+        return ["displacement", FORCE] if problem.structure.stops else ["displacement"]
     chosen = checked_quantities(problem, quantities, QUANTITIES)
-    if FORCE in chosen and not problem.stops:
+    if FORCE in chosen and not problem.structure.stops:
         raise InputError(f"quantity {FORCE!r}: there are no stops")
     return chosen
 

@@ -125,7 +125,7 @@ def stop_names(problem: Problem) -> Variable:
 
 def stop_sides(problem: Problem) -> Variable:
     """The side of each stop."""
-    signs = [stop.sign for stop in problem.stops]
+    signs = [stop.sign for stop in problem.structure.stops]
     return Column("stop_side", "i1", "", "side of the stop", flags(("bottom", "top"), (-1, 1))).of(("stop",), signs)
 
 

@@ -27,7 +27,7 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
     gives the modes.  Equal seeds, which are not negative, give equal states.
     """
     rng = np.random.default_rng(seed)
-    x = np.linspace(0.0, problem.beam.length, POINTS)
+    x = np.linspace(0.0, problem.line.length, POINTS)
     shapes = np.asarray(solver.modes(problem, FREE, MODES).shapes(x), dtype=float)
     shapes = shapes / np.max(np.abs(shapes), axis=1, keepdims=True)
     size, omega = SIZE * _gap(problem), problem.excitation_frequency or 1.0
@@ -41,7 +41,7 @@ def random_initial(problem: Problem, solver: Solver, seed: tuple[int, ...]) -> S
 def _gap(problem: Problem) -> float:
     """The median size of the gaps and interferences, m; a thousandth of the length where there is none."""
     gaps = [abs(stop.gap) for stop in problem.stops if stop.gap]
-    return float(np.median(gaps)) if gaps else 1e-3 * problem.beam.length
+    return float(np.median(gaps)) if gaps else 1e-3 * problem.line.length
 
 
 def _meeting_supports(problem: Problem, x: FloatArray, values: FloatArray) -> FloatArray:
@@ -58,7 +58,7 @@ def _conditions(problem: Problem, x: FloatArray) -> Iterator[FloatArray]:
     from scipy.interpolate import CubicSpline
 
     cardinal = CubicSpline(x, np.eye(x.size))
-    for support in problem.supports:
+    for support in problem.structure.supports:
         for derivative, spring in enumerate((support.translational, support.torsional)):
             if math.isinf(spring):
                 yield cardinal(support.x, derivative)

@@ -274,7 +274,7 @@ def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[
         if not elsewhere:
             refuse("there is neither a series nor a figure that shows places", at=at)
         return {}
-    places = [problem.require_position(x) for x in places_from(at)]
+    places = [problem.position(x) for x in places_from(at)]
     if len(places) > most:
         raise InputError(f"--at {at}: figure {name} shows one place; give one")
     return {"x": places[0] if most == 1 else places}

@@ -21,18 +21,18 @@ def print_equilibrium(found: Equilibrium) -> None:
     echo(f"{found.solver}: {problem.title or 'static equilibrium'}")
     if found.other_equilibria:
         echo(found.other_equilibria)
-    if problem.stops:
+    if problem.structure.stops:
         pressing = ", ".join(problem.stop_names[k] for k in found.state.closed)
         echo(f"\nForce of each stop [N]; {f'pressing: {pressing}' if pressing else 'none presses'}")
         names, width = stop_column(problem)
-        rows = zip(names, problem.stops, found.contact_forces, found.errors.contact_forces, strict=True)
+        rows = zip(names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True)
         for name, stop, force, error in rows:
             echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{_with_error(force, error)}")
-    if problem.supports:
+    if problem.structure.supports:
         echo(
             "\nForce [N] and couple [N m] of each support on the beam, force upwards and couple anticlockwise positive"
         )
-    for i, support in enumerate(problem.supports):
+    for i, support in enumerate(problem.structure.supports):
         force = _with_error(found.support_forces[i], found.errors.support_forces[i])
         couple = _with_error(found.support_moments[i], found.errors.support_moments[i])
         echo(f"{i + 1:<10}x = {support.x:<8g} {force} {couple}")
@@ -44,9 +44,9 @@ def print_equilibrium(found: Equilibrium) -> None:
 
 def _extremes(found: Equilibrium) -> dict[str, Extreme]:
     """The largest moment and, where there is a section, the largest stress; and the displacement of the tip."""
-    L = found.problem.beam.length
+    L = found.problem.line.length
     extremes = {"Largest bending moment [N m]": found.largest_moment()}
-    if all(piece.section is not None for piece in found.problem.beam.pieces):
+    if all(piece.section is not None for piece in found.problem.line.pieces):
         extremes["Largest bending stress at the top [Pa]"] = found.largest_stress()
     tip = Extreme(L, float(found.displacement(L)[0]), found.errors.displacement)
     return extremes | {"Displacement of the tip [m]": tip}
@@ -58,7 +58,7 @@ def _with_error(value: float, error: float) -> str:
 
 def differences(one: Equilibrium, other: Equilibrium) -> list[str]:
     """What two solvers say differently of one joint, beyond the sum of their errors; nothing where they agree."""
-    x = np.linspace(0.0, one.problem.beam.length, _COMPARED)
+    x = np.linspace(0.0, one.problem.line.length, _COMPARED)
     ours, theirs, found = one.errors, other.errors, []
     if one.state != other.state:
         names = (each.state.name(each.problem) for each in (one, other))
@@ -93,12 +93,12 @@ def print_agreement(found: list[str]) -> None:
 def equilibrium_summary(found: Equilibrium) -> dict[str, Any]:
     """An equilibrium as JSON holds it."""
     problem, errors = found.problem, found.errors
-    names, L = problem.stop_names, problem.beam.length
+    names, L = problem.stop_names, problem.line.length
 
     def extreme(of: Extreme) -> dict[str, float]:
         return {"x_m": of.x, "value": of.value, "error": of.error}
 
-    section = all(piece.section is not None for piece in problem.beam.pieces)
+    section = all(piece.section is not None for piece in problem.line.pieces)
     return {
         "solver": found.solver,
         "pressing": [names[k] for k in found.state.closed],

@@ -122,7 +122,7 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
             echo("Nearby motions come together: it repeats, but after more periods than max_period_multiple")
     if found.acceptance is not None and found.acceptance.sensitive:
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
-    if found.problem.stops and not found.history.contacts:
+    if found.problem.structure.stops and not found.history.contacts:
         _print_nearest(found.history)
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
@@ -133,7 +133,7 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
             "Energy lost in damped stops per excitation period [J], no error estimated",
         )
     _print_summary(found, at)
-    if found.problem.stops or found.impulse_errors is not None:
+    if found.problem.structure.stops or found.impulse_errors is not None:
         print_source(found.error_source)
 
 
@@ -158,7 +158,7 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
             echo(f"{label:<29}{f'{what.x[i]:.4g} m{star}':<9}{numbers}".rstrip())
             label = ""
     echo("* where its magnitude is largest along the beam")
-    if found.problem.stops:
+    if found.problem.structure.stops:
         names, _ = stop_column(found.problem)
         for title, first, second in (
             ("Force [N]", "force_peak", "force_rms"),
@@ -178,7 +178,7 @@ def print_source(source: str) -> None:
 def _print_nearest(history: History) -> None:
     """Print the stop to which a motion without contact comes nearest, and the largest displacement towards this stop,
     as a percentage of its gap."""
-    stops = history.problem.stops
+    stops = history.problem.structure.stops
     t = np.linspace(history.start, history.end, _TIMES)
     sides = np.array([stop.sign for stop in stops])[:, None]
     reach = (sides * history.seen_by_stops(t)).max(axis=1)
@@ -208,11 +208,11 @@ def complex_text(value: complex) -> str:
 
 def print_impulses(problem: Problem, impulses: list[float], heading: str, errors: list[float] | None = None) -> None:
     """Print one impulse for each stop, and its error if it was estimated; nothing if there are no stops."""
-    if problem.stops:
+    if problem.structure.stops:
         echo(f"\n{heading}, top positive")
         names, width = stop_column(problem)
         known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
-        for name, stop, impulse, error in zip(names, problem.stops, impulses, known, strict=True):
+        for name, stop, impulse, error in zip(names, problem.structure.stops, impulses, known, strict=True):
             echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}{error}")
 
 
@@ -222,7 +222,7 @@ def _print_dissipated(history: History, periods: int, heading: str) -> None:
     if any(stop.damping > 0 for stop in problem.stops):
         echo(f"\n{heading}")
         names, width = stop_column(problem)
-        for name, stop, energy in zip(names, problem.stops, lost.tolist(), strict=True):
+        for name, stop, energy in zip(names, problem.structure.stops, lost.tolist(), strict=True):
             if stop.damping > 0:
                 echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{energy:14.8g}")
 

@@ -156,7 +156,7 @@ def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[M
 
 
 def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
-    places = [sorted(problem.stops[stop].x for stop in modes.state.closed) for modes in (a, b)]
+    places = [sorted(problem.structure.stops[stop].x for stop in modes.state.closed) for modes in (a, b)]
     n = min(len(a.angular_frequencies), len(b.angular_frequencies))
     one, other = a.angular_frequencies[:n], b.angular_frequencies[:n]
     return places[0] == places[1] and np.allclose(one, other, rtol=SAME, atol=SAME * float(np.max(one, initial=0.0)))
@@ -183,7 +183,7 @@ def _unbroken(name: str) -> str:
 
 
 def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int, hz: bool) -> None:
-    x = np.linspace(0.0, problem.beam.length, samples)
+    x = np.linspace(0.0, problem.line.length, samples)
     modes = group[0]
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     for i, (omega, shape) in enumerate(zip(modes.angular_frequencies[:count], modes.shapes(x), strict=False)):
@@ -195,9 +195,9 @@ def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: in
             label=f"{i + 1}: {omega / (2 * math.pi) if hz else omega:.4g}",
         )
     for place, side in sorted(
-        {(problem.stops[s].x, problem.stops[s].side) for each in group for s in each.state.closed}
+        {(problem.structure.stops[s].x, problem.structure.stops[s].side) for each in group for s in each.state.closed}
     ):
         axes.plot([place], [0.0], marker=_POINTS_AT_BEAM[side], color="0.25", markersize=6, linestyle="", clip_on=False)
     axes.set_xlabel("position x [m]")
     axes.set_ylabel("mode shape [kg$^{-1/2}$]")
-    axes.set_xlim(0.0, problem.beam.length)
+    axes.set_xlim(0.0, problem.line.length)

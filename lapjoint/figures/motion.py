@@ -81,7 +81,7 @@ def plot_motion(
         pattern = STYLES[i % len(STYLES)]
         name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
         axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
-        here = [(k, stop) for k, stop in enumerate(history.problem.stops) if stop.x == place]
+        here = [(k, stop) for k, stop in enumerate(history.problem.structure.stops) if stop.x == place]
         for gap in {stop.sign * stop.gap for _, stop in here if not stop.in_space}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
         for face in (stop.sign * stop.gap - moved[k] for k, stop in here if stop.in_space):
@@ -96,11 +96,11 @@ def plot_motion(
 
 def _positions(problem: Problem, x: float | Sequence[float] | None) -> list[float]:
     if x is None:
-        return sorted({stop.x for stop in problem.stops}) or [problem.beam.length]
+        return sorted({stop.x for stop in problem.structure.stops}) or [problem.line.length]
     places = np.atleast_1d(np.asarray(x, dtype=float))
     if not places.size:
         raise InputError("x = []: names no position; one or more are needed, or None for those of the stops")
-    return [problem.require_position(float(place)) for place in places]
+    return [problem.position(place) for place in places]
 
 
 def _colour(i: int) -> str:
@@ -110,7 +110,7 @@ def _colour(i: int) -> str:
 def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
     """Shade the area between gap and curve while the stop is closed; `z` is in mm, shape ``(positions, m)``."""
     moved = history.base_of_stops(t)
-    for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.stops, strict=True)):
+    for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.structure.stops, strict=True)):
         closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
         if stop.x in positions and closed.any():
             row, gap = positions.index(stop.x), 1e3 * (stop.sign * stop.gap - moved[i])
@@ -122,7 +122,7 @@ def _shade_contacts(axes: Axes, history: History, positions: list[float], t: Flo
 
 def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     """Draw a strip for each stop below the curves, filled while the stop is closed, with its name on the right."""
-    stops = history.problem.stops
+    stops = history.problem.structure.stops
     low, high = axes.get_ylim()
     axes.set_yticks([tick for tick in axes.get_yticks() if low <= tick <= high])
     share = min(0.5, STRIP * len(stops) / _height(axes))

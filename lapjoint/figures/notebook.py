@@ -82,7 +82,7 @@ def _of_steady_state(steady: SteadyState) -> str:
     rows = [
         (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
         for name, stop, impulse, error in zip(
-            steady.problem.stop_names, steady.problem.stops, steady.impulses, errors, strict=True
+            steady.problem.stop_names, steady.problem.structure.stops, steady.impulses, errors, strict=True
         )
     ]
     table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
@@ -92,7 +92,7 @@ def _of_steady_state(steady: SteadyState) -> str:
 @html_of.register
 def _of_equilibrium(found: Equilibrium) -> str:
     """A static equilibrium: the forces of the stops as a table, and the deflected shape."""
-    problem, tip = found.problem, found.problem.beam.length
+    problem, tip = found.problem, found.problem.line.length
     lines = [found.solver, *([found.other_equilibria] if found.other_equilibria else [])]
     lines.append(
         f"Displacement of the tip: {_with_error(float(found.displacement(tip)[0]), found.errors.displacement)} m"
@@ -100,7 +100,7 @@ def _of_equilibrium(found: Equilibrium) -> str:
     rows = [
         (name, f"{stop.x:g}", stop.side, _with_error(float(force), float(error)))
         for name, stop, force, error in zip(
-            problem.stop_names, problem.stops, found.contact_forces, found.errors.contact_forces, strict=True
+            problem.stop_names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True
         )
     ]
     table = _table(("stop", "x [m]", "side", "force [N]"), rows, 0) if rows else ""

@@ -67,7 +67,7 @@ def plot_phase_portrait(
     width = line_width(history)
     marker = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
     (orbit,) = axes.plot(z, v, linewidth=width, marker=marker, label=label or f"x = {place:g} m")
-    here = [i for i, stop in enumerate(history.problem.stops) if stop.x == place]
+    here = [i for i, stop in enumerate(history.problem.structure.stops) if stop.x == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
         closed = np.where(in_contact(contacts, t), v, np.nan)
@@ -82,7 +82,7 @@ def plot_phase_portrait(
             solid_capstyle="butt",
             label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
         )
-    still = [history.problem.stops[i] for i in here if not history.problem.stops[i].in_space]
+    still = [history.problem.structure.stops[i] for i in here if not history.problem.structure.stops[i].in_space]
     for gap in {stop.sign * stop.gap for stop in still}:
         axes.axvline(1e3 * gap, color=GREY, linewidth=THIN, zorder=1)
     entitle(axes, heading(history) if label is None else "")

@@ -10,8 +10,9 @@ import numpy as np
 
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, figure_of, new_axes, style
 from lapjoint.figures.text import SMALL, cut_to, frequency_text, literal, width_of
-from lapjoint.problem import FloatArray, Problem, Stop, Support
+from lapjoint.problem import FloatArray, Problem, Support
 from lapjoint.problem.excitation import StepLoad
+from lapjoint.problem.supports_and_stops import PlacedStop
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -110,15 +111,15 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     axes.set_ylim(_BELOW - 0.75, 2.35)
     page, scale = (
         _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0]),
-        _WIDE / problem.beam.length,
+        _WIDE / problem.line.length,
     )
     _draw_beam(page, problem, scale)
-    for support in problem.supports:
-        under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.stops)
+    for support in problem.structure.supports:
+        under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.structure.stops)
         _draw_support(page, support, support.x * scale, -0.42 if under else 0.0)
-    for stop in problem.stops:
-        _draw_stop(page, stop, stop.x * scale, _half_depth(problem, float(problem.beam.EI_at(np.array([stop.x]))[0])))
-    for mass in problem.masses:
+    for stop in problem.structure.stops:
+        _draw_stop(page, stop, stop.x * scale, _half_depth(problem, float(problem.line.EI_at(np.array([stop.x]))[0])))
+    for mass in problem.structure.masses:
         _draw_mass(page, mass.x * scale)
     _draw_drive(page, problem, scale)
     _draw_static_loads(page, problem, scale)
@@ -131,7 +132,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
 
 def _draw_beam(page: _Page, problem: Problem, scale: float) -> None:
     """The beam, piece by piece."""
-    for piece in problem.beam.pieces:
+    for piece in problem.line.pieces:
         half = _half_depth(problem, piece.EI)
         page.axes.fill_between([piece.start * scale, piece.end * scale], -half, half, color=_BEAM, linewidth=0)
     page.take(0.0, _WIDE, -_HALF, _HALF)
@@ -139,7 +140,7 @@ def _draw_beam(page: _Page, problem: Problem, scale: float) -> None:
 
 def _half_depth(problem: Problem, EI: float) -> float:
     """Half the depth of a piece of bending stiffness `EI`, N m2: depths go with its fourth root, as round bars' do."""
-    stiffest = max(piece.EI for piece in problem.beam.pieces)
+    stiffest = max(piece.EI for piece in problem.line.pieces)
     return _HALF * max(math.sqrt(math.sqrt(EI / stiffest)), _THINNEST)
 
 
@@ -171,7 +172,7 @@ def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None
         page.take(x - 0.32, x + 0.32, 0.13, 0.77)
 
 
-def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
+def _draw_stop(page: _Page, stop: PlacedStop, x: float, surface: float) -> None:
     """A plate behind its gap from the `surface` of the beam, a spring, and the ground."""
     up = float(stop.sign)
     face = up * (surface + (_GAP if stop.gap > 0 else 0.0))
@@ -183,7 +184,7 @@ def _draw_stop(page: _Page, stop: Stop, x: float, surface: float) -> None:
 def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
     """Write names and numbers beside the stops, or names alone where there is no room for numbers, beside the stops or
     beyond their ground; and the number of stops."""
-    for stop, name in zip(problem.stops, problem.stop_names, strict=True):
+    for stop, name in zip(problem.structure.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
         gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
         numbers = [gap, _number("k", stop.stiffness, "N/m")]
@@ -203,7 +204,7 @@ def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
 def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
     """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
     room."""
-    for mass in problem.masses:
+    for mass in problem.structure.masses:
         name, x = cut_to(literal(mass.name), _NAME_SHOWN), mass.x * scale
         lines = [name] if name else []
         lines.append(_number("m", mass.mass, "kg"))
@@ -223,7 +224,7 @@ def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
 
 def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
     """Write stiffnesses beside the supports."""
-    for support in problem.supports:
+    for support in problem.structure.supports:
         x = support.x * scale
         if 0 < support.translational < math.inf:
             text = _number("k", support.translational, "N/m")
@@ -238,8 +239,9 @@ def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
         page.arrow(-0.75, 0.8, -0.8, "<->")
         page.say(-_LEFT + 0.05, 1.35, _said_of_base(problem), _DRIVE)
     for load in problem.point_loads:
-        x, down = load.x * scale, isinstance(load, StepLoad) and load.force < 0
-        crowded = any(stop.sign < 0 and abs(stop.x - load.x) * scale < _NEAR for stop in problem.stops)
+        place = problem.line.at(load.x)
+        x, down = place * scale, isinstance(load, StepLoad) and load.force < 0
+        crowded = any(stop.sign < 0 and abs(stop.x - place) * scale < _NEAR for stop in problem.structure.stops)
         tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if crowded else (-_HALF, -1.5)
         page.arrow(x, tip, tail, "->")
         text = f"{load.force:g} N" if isinstance(load, StepLoad) else f"{load.kind} force"
@@ -253,7 +255,7 @@ def _draw_static_loads(page: _Page, problem: Problem, scale: float) -> None:
         page.arrow(x, up * 0.45, -up * 0.45, "->")
         page.say(x, 0.75, f"{abs(problem.gravity.acceleration):g} m/s2", _DRIVE, "center")
     for load in problem.uniform_loads:
-        start, end = load.start * scale, (problem.beam.length if load.to is None else load.to) * scale
+        start, end = load.start * scale, (problem.line.length if load.to is None else load.to) * scale
         far, near = _HALF + _ALONG, _HALF
         tip, tail = (near, far) if load.force_per_length < 0 else (far, near)
         for x in np.linspace(start, end, max(2, round((end - start) / 0.5) + 1)):
@@ -276,14 +278,14 @@ def _said_of_base(problem: Problem) -> str:
 
 def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
     """Draw a line with a tick and a number at every position."""
-    supports, stops = ([it.x for it in problem.supports], [it.x for it in problem.stops])
-    other = [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
+    supports, stops = ([it.x for it in problem.structure.supports], [it.x for it in problem.structure.stops])
+    other = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
-    page.say(_WIDE, _BELOW - 0.42, f"{problem.beam.length:g}", GREY, "center")
+    page.say(_WIDE, _BELOW - 0.42, f"{problem.line.length:g}", GREY, "center")
     page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
-    for place in sorted({0.0, problem.beam.length, *supports, *stops, *other}):
+    for place in sorted({0.0, problem.line.length, *supports, *stops, *other}):
         page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
-        if place != problem.beam.length:
+        if place != problem.line.length:
             page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")
 
 

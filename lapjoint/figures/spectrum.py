@@ -97,7 +97,7 @@ def plot_spectrum(
     InputError
         If the position is outside the beam, `harmonics` less than 1, or the history has no duration.
     """
-    place = most_moved(history) if x is None else history.problem.require_position(x)
+    place = most_moved(history) if x is None else history.problem.position(x)
     found = spectrum(history, place, _default_harmonics(history.problem) if harmonics is None else harmonics)
     axes = new_axes(height=2.6) if axes is None else axes
     omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
@@ -125,7 +125,7 @@ def most_moved(history: History) -> float:
     If several differ by rounding alone, it is the position farthest from the root.
     """
     _require_duration(history)
-    x = np.linspace(0.0, history.problem.beam.length, _STATIONS)
+    x = np.linspace(0.0, history.problem.line.length, _STATIONS)
     swing = np.std(history.displacement(x, times_drawn(history, _FEWEST)), axis=1)
     return float(x[np.flatnonzero(swing >= (1 - TOLERANCE) * np.max(swing))[-1]])
 
@@ -174,7 +174,7 @@ def repeating_periods(history: History) -> tuple[int, float]:
     if omega is None or whole == 0:
         return 0, math.nan
     times = np.maximum(history.end - 2 * math.pi / omega * np.arange(whole + 1), history.start)
-    x = np.linspace(0.0, history.problem.beam.length, 7)
+    x = np.linspace(0.0, history.problem.line.length, 7)
     period = np.linspace(times[1], times[0], 200)
     off = np.zeros(whole + 1)
     for values, size in (

@@ -72,7 +72,7 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
     check_held(problem, "plane")
     shapes = period_map.static_shapes(origin, np.array([one.place for one in plane.coordinates]))
     compliance = shapes.compliance
-    soft = problem.beam.length**3 / problem.beam.EI
+    soft = problem.line.length**3 / problem.line.EI
     for one, own in zip(plane.coordinates, np.diag(compliance), strict=True):
         if own <= _IMMOVABLE * soft:
             raise InputError(f"plane = {str(plane)!r}: {one} cannot be moved, for a support holds it")

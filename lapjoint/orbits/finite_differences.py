@@ -97,7 +97,7 @@ def _segments(history: History, times: FloatArray, switched: FloatArray, moves: 
     `times`, s, and `switched`, the stop that switches or -1, have the shape ``(m,)``; `moves` holds the displacement at
     each stop and time by each deviation, m, shape ``(P, m, n)``.
     """
-    stops = history.problem.stops
+    stops = history.problem.structure.stops
     z = _at_stops(history, times)
     speed = history.seen_by_stops(history.start + times[:-1], 1)
     none = np.zeros(0, dtype=complex)

@@ -97,7 +97,9 @@ def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
 def _unknown(history: History, reason: str) -> OrbitErrors:
     """Infinite errors, with the reason."""
     return OrbitErrors(
-        np.full(len(history.problem.stops), np.inf), without_contact_errors(history, reason), f"unknown: {reason}"
+        np.full(len(history.problem.stops), np.inf),
+        without_contact_errors(history, reason),
+        f"unknown: {reason}",
     )
 
 
@@ -118,7 +120,7 @@ def _clear(
     orbit: Orbit, history: History, finer: History, refinement: Refinement, stops: Sequence[int]
 ) -> npt.NDArray[np.bool_]:
     """Whether the motion certainly keeps clear of each of `stops`, which it does not touch."""
-    x = np.array([history.problem.stops[k].x for k in stops])
+    x = np.array([history.problem.structure.stops[k].x for k in stops])
     if not x.size:
         return np.zeros(0, dtype=bool)
     t = np.linspace(history.start, history.end, 2 * _SAMPLES * orbit.period_multiple + 1)

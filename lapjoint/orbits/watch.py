@@ -34,7 +34,8 @@ from lapjoint.orbits.compiled_intervals import (
 )
 from lapjoint.orbits.compiled_watch import largest_motion, terms_at_points
 from lapjoint.orbits.segments import Segment, Segments
-from lapjoint.problem import FloatArray, Problem, Stop
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.supports_and_stops import PlacedStop
 
 BoolArray = npt.NDArray[np.bool_]
 _PER_HALF_PERIOD = 16
@@ -102,7 +103,7 @@ class Watch(Protocol):
         """The motion along the orbit of deviations, (n, K), columns in the coordinates of the orbit's section point."""
 
 
-def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
+def stops_of(stops: Sequence[PlacedStop], twins: Sequence[int] | None = None) -> Stops:
     """The arrays of stops for compiled functions, with the twin of each stop if the motion continues mirrored; places
     ascend."""
     places = sorted({stop.place for stop in stops})
@@ -114,7 +115,7 @@ def stops_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops
     )
 
 
-def rows_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
+def rows_of(stops: Sequence[PlacedStop], twins: Sequence[int] | None = None) -> Stops:
     """The rows of segments: the stops, and then the force of each damped stop, which ends at a place of its own.
 
     The force of a damped stop is k times its penetration at a place that moves by z + (c / k) z'.
@@ -131,7 +132,7 @@ def rows_of(stops: Sequence[Stop], twins: Sequence[int] | None = None) -> Stops:
     )
 
 
-def awake_rows(stops: Sequence[Stop], closed: BoolArray) -> BoolArray:
+def awake_rows(stops: Sequence[PlacedStop], closed: BoolArray) -> BoolArray:
     """Which rows may switch next, shape ``(S, P)``: a damped stop's force ends or begins while the stop is closed.
 
     `closed`, ``(S, P)``, says which rows are closed.
@@ -148,7 +149,7 @@ class SegmentWatch:
     def __init__(self, problem: Problem, segments: Sequence[Segment], twins: tuple[int, ...] | None) -> None:
         assert problem.forces.fastest > 0
         segments = Segments.of(segments)
-        stops, awake = rows_of(problem.stops, twins), awake_rows(problem.stops, segments.closed)
+        stops, awake = rows_of(problem.structure.stops, twins), awake_rows(problem.structure.stops, segments.closed)
         self._place = stops.place
         first = np.unique(stops.place, return_index=True)[1]
         motion, length = motion_at(segments, first, awake), float(segments.end[-1])

@@ -27,20 +27,25 @@ from lapjoint.problem.files import read_problem, write_problem
 from lapjoint.problem.initial import (
     AtEquilibrium,
     AtRest,
+    BeamsStart,
+    BeamStart,
     InitialState,
     PolynomialShape,
     SampledShape,
     ShapeFunction,
     initial_from_functions,
 )
+from lapjoint.problem.line import Line
+from lapjoint.problem.links import Link
 from lapjoint.problem.masses import Mass
+from lapjoint.problem.named_beam import NamedBeam
 from lapjoint.problem.presets import paper_joint, sdnl104
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, SpringStiffness
 from lapjoint.problem.static_loads import Gravity, UniformLoad
-from lapjoint.problem.supports_and_stops import Side, Stop, Support
+from lapjoint.problem.supports_and_stops import PlacedStop, Side, Stop, Support
 
 __all__ = [
     "AnyBaseMotion",
@@ -51,6 +56,8 @@ __all__ = [
     "Beam",
     "BeamPiece",
     "BeamSegment",
+    "BeamStart",
+    "BeamsStart",
     "Circle",
     "Damping",
     "Finite",
@@ -59,13 +66,17 @@ __all__ = [
     "HarmonicsBaseMotion",
     "HarmonicsLoad",
     "InitialState",
+    "Line",
+    "Link",
     "LoadHarmonic",
     "Mass",
     "Material",
     "ModalDamping",
+    "NamedBeam",
     "NoDamping",
     "NonNegative",
     "Part",
+    "PlacedStop",
     "PointLoad",
     "PolynomialShape",
     "Positive",

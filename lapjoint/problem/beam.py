@@ -8,17 +8,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
-from lapjoint.errors import InputError
-from lapjoint.problem.schema import FloatArray, NonNegative, Part, Positive
+from lapjoint.problem.schema import NonNegative, Part, Positive
 
 LEAST, MOST = 1e-100, 1e100
 """Least and largest value, in SI units, of a quantity that follows from a beam's fields; its square is then finite."""
 NEAREST = 1e-12
 """Distance, divided by the length of the beam, within which two positions may be one, except for rounding."""
-_CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
+CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
 
 
 class Material(Part):
@@ -246,87 +244,10 @@ class Beam(Part):
             return self.pieces[0].inertia
         return sum((piece.end - piece.start) * piece.inertia for piece in self.pieces) / self.length
 
-    def EI_at(self, x: FloatArray) -> FloatArray:
-        """Bending stiffness at positions.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            EI, N m2; at a step that of the piece to the left.
-        """
-        return self._of_piece("EI", x)
-
-    def inertia_at(self, x: FloatArray) -> FloatArray:
-        """Mass per unit length that moves, kg/m, at positions, m, ``(n,)``.  See `EI_at`."""
-        return self._of_piece("inertia", x)
-
-    def _of_piece(self, name: str, x: FloatArray) -> FloatArray:
-        """A number of the piece at each position, m, ``(n,)``; at a step of the piece to the left."""
-        ends, values = (np.array([getattr(piece, field) for piece in self.pieces]) for field in ("end", name))
-        return np.asarray(values[np.minimum(np.searchsorted(ends, x, side="left"), ends.size - 1)])
-
-    def stress_per_moment_at(self, x: FloatArray, purpose: str = "stress") -> FloatArray:
-        """Bending stress at the faces of the beam, divided by the bending moment.
-
-        Parameters
-        ----------
-        x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
-        purpose : str
-            What needs it; the message begins with it.
-
-        Returns
-        -------
-        FloatArray, shape (n,)
-            c / I, 1/m3, with c half of the depth; at a step the larger of both sides.
-
-        Raises
-        ------
-        InputError
-            If a piece of the beam has no section.
-        """
-        self.require_sections(purpose)
-        found = np.zeros(np.shape(x))
-        for piece in self.pieces:
-            assert piece.section is not None
-            here = (x >= piece.start) & (x <= piece.end)
-            own = np.where(here, piece.section.depth / 2 / piece.section.second_moment, 0.0)
-            found = np.maximum(found, own)
-        return found
-
     @property
     def slowest_bending(self) -> float:
         """Lowest natural angular frequency as a uniform cantilever of stiffness `EI` and mass `m`, rad/s."""
-        return _CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
-
-    def require_sections(self, purpose: str) -> tuple[tuple[Material, Section], ...]:
-        """The material and the cross-section of each piece, for what cannot be done without.
-
-        Parameters
-        ----------
-        purpose : str
-            What needs them; the message begins with it.
-
-        Returns
-        -------
-        tuple of (Material, Section)
-            One pair for each of `pieces`.
-
-        Raises
-        ------
-        InputError
-            If a piece has none.
-        """
-        found = tuple((piece.material, piece.section) for piece in self.pieces)
-        whole = tuple((material, section) for material, section in found if material and section)
-        if len(whole) < len(found):
-            raise InputError(f"{purpose}: the beam has no section; it needs beam.material and beam.section")
-        return whole
+        return CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
 
 
 def _described_once(part: Beam | BeamSegment, material: Material | None) -> bool:

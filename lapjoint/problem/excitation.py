@@ -14,6 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
+from lapjoint.problem.places import Place
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
@@ -132,8 +133,8 @@ class StepLoad(Part):
     waves: ClassVar[tuple[()]] = ()
     """The waves of which it consists: none."""
     kind: Literal["step"] = "step"
-    x: NonNegative
-    """Position, m, within the beam."""
+    x: Place
+    """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
     force: Finite
     """Force, N, positive upwards."""
 
@@ -149,8 +150,8 @@ class SineLoad(Part):
     constant: ClassVar[float] = 0.0
     """The constant part, N."""
     kind: Literal["sine"] = "sine"
-    x: NonNegative
-    """Position, m, within the beam."""
+    x: Place
+    """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
     force: Finite
     """Amplitude, N, positive upwards."""
     angular_frequency: Positive
@@ -170,8 +171,8 @@ class HarmonicsLoad(Part):
     constant: ClassVar[float] = 0.0
     """The constant part, N."""
     kind: Literal["harmonics"] = "harmonics"
-    x: NonNegative
-    """Position, m, within the beam."""
+    x: Place
+    """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
     angular_frequency: Positive
     """omega of the fundamental, rad/s: the force repeats after 2 pi / omega."""
     harmonics: Annotated[tuple[LoadHarmonic, ...], _AtLeastOne, _EachOnce]

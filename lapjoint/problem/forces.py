@@ -139,7 +139,7 @@ def forces_of(
         acceleration = base_acceleration(wave.amplitude, wave.angular_frequency)
         harmonic.append(HarmonicForce(structure.inertia, acceleration, wave.angular_frequency, wave.phase, True))
     for i, load in enumerate(loads):
-        place = LoadShape.at(load.x)
+        place = LoadShape.at(structure.line.at(load.x))
         if load.constant:
             constant.append(ConstantForce(place, load.constant))
         if isinstance(load, RecordLoad):

@@ -8,16 +8,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lapjoint.problem.beam import Beam, Material, Section
 from lapjoint.problem.damping import Damping, ModalDamping
 from lapjoint.problem.forces import Forces
+from lapjoint.problem.line import Line
 from lapjoint.problem.masses import Mass
+from lapjoint.problem.placing import masses_of
 from lapjoint.problem.static_loads import Gravity
-from lapjoint.problem.structure import Structure
-from lapjoint.problem.supports_and_stops import Stop
+from lapjoint.problem.supports_and_stops import PlacedStop
+
+if TYPE_CHECKING:
+    from lapjoint.problem.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -65,31 +70,34 @@ HARD, SOFT = 1e10, 1e-8
 second the beam hardly feels it."""
 
 
-def hints(joint: Structure, gravity: Gravity | None, forces: Forces) -> tuple[str, ...]:
+def hints(problem: Problem) -> tuple[str, ...]:
     """A line for each value that looks like a slip of unit: the field, its value, its usual range, and the unit that
     was perhaps meant."""
-    beam = joint.beam
+    line, stops = problem.line, problem.structure.stops
+    found = [
+        hint for j, beam in enumerate(line.beams) for hint in _of_beam(f"beams[{j}]" if line.several else "beam", beam)
+    ]
     return (
-        *_of_beam(beam),
-        *_of_stops(joint.stops, beam),
-        *_of_masses(joint.masses, beam),
-        *_of_gravity(gravity),
-        *_of_damping(joint.damping),
-        *_of_excitation(forces, beam),
+        *found,
+        *_of_stops(stops, line),
+        *_of_masses(masses_of(problem, line), line),
+        *_of_gravity(problem.gravity),
+        *_of_damping(problem.damping),
+        *_of_excitation(problem.forces, line),
     )
 
 
-def _of_beam(beam: Beam) -> Iterator[str]:
-    yield from LENGTH.hint("beam.length", beam.length)
+def _of_beam(path: str, beam: Beam) -> Iterator[str]:
+    yield from LENGTH.hint(f"{path}.length", beam.length)
     if beam.material is not None:
-        yield from _of_material("beam.material", beam.material)
+        yield from _of_material(f"{path}.material", beam.material)
     if beam.section is not None:
-        yield from _of_section("beam.section", beam.section, beam.length)
+        yield from _of_section(f"{path}.section", beam.section, beam.length)
     for i, segment in enumerate(beam.segments):
         if segment.material is not None:
-            yield from _of_material(f"beam.segments[{i}].material", segment.material)
+            yield from _of_material(f"{path}.segments[{i}].material", segment.material)
         if segment.section is not None:
-            yield from _of_section(f"beam.segments[{i}].section", segment.section, beam.length)
+            yield from _of_section(f"{path}.segments[{i}].section", segment.section, beam.length)
 
 
 def _of_material(path: str, material: Material) -> Iterator[str]:
@@ -103,9 +111,9 @@ def _of_section(path: str, section: Section, length: float) -> Iterator[str]:
         yield f"{path}: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
 
 
-def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:
+def _of_stops(stops: Sequence[PlacedStop], line: Line) -> Iterator[str]:
     for i, stop in enumerate(stops):
-        size = abs(stop.gap)
+        beam, size = line.beams[line.beam_at(stop.x)], abs(stop.gap)
         if size > WIDE * beam.length:
             guess = "; were mm meant? " + _thousandth(stop.gap) if size / 1000 <= WIDE * beam.length else ""
             yield f"stops[{i}].gap = {stop.gap:g} m: the beam is {beam.length:g} m long{guess}"
@@ -117,11 +125,12 @@ def _of_stops(stops: Sequence[Stop], beam: Beam) -> Iterator[str]:
             )
 
 
-def _of_masses(masses: Sequence[Mass], beam: Beam) -> Iterator[str]:
-    for i, it in enumerate(masses):
+def _of_masses(masses: Sequence[tuple[str, Mass]], line: Line) -> Iterator[str]:
+    for path, it in masses:
+        beam = line.beams[line.beam_at(it.x)]
         ratio = it.mass / (beam.m * beam.length)
         if ratio > HEAVY:
-            yield f"masses[{i}].mass = {it.mass:g} kg: is {ratio:.1g} times the mass of the beam; are the units right?"
+            yield f"{path}.mass = {it.mass:g} kg: is {ratio:.1g} times the mass of the beam; are the units right?"
 
 
 def _of_gravity(gravity: Gravity | None) -> Iterator[str]:
@@ -139,8 +148,8 @@ def _of_damping(damping: Damping) -> Iterator[str]:
         yield f"damping.ratio = {largest:g}: 1 is critical damping; {meant}"
 
 
-def _of_excitation(forces: Forces, beam: Beam) -> Iterator[str]:
-    bending = beam.slowest_bending
+def _of_excitation(forces: Forces, line: Line) -> Iterator[str]:
+    bending = line.slowest_bending
     for omega in sorted({force.angular_frequency for force in forces.harmonic if force.amplitude}):
         if not SLOW <= omega / bending <= FAST:
             yield (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, Any, Literal, Self
 
@@ -98,6 +99,59 @@ class SampledShape(Part):
         return _spline(self.x, self.velocity, x, derivative)
 
 
+class BeamStart(Part):
+    """Initial displacement and velocity of one of several beams."""
+
+    beam: str
+    """Name of the beam."""
+    x: tuple[Finite, ...] = ()
+    """Positions on the beam, m, ascending, from 0 to L, of sampled shapes; empty: the shapes are polynomials."""
+    displacement: tuple[Finite, ...] = ()
+    """Coefficients of 1, x, x^2 ..., or samples, of z(x, 0), m; empty: zero."""
+    velocity: tuple[Finite, ...] = ()
+    """Coefficients, or samples, of z_t(x, 0), m/s; empty: zero."""
+
+    @property
+    def shape(self) -> PolynomialShape | SampledShape:
+        """The shapes on this beam."""
+        if self.x:
+            return SampledShape(x=self.x, displacement=self.displacement, velocity=self.velocity)
+        return PolynomialShape(displacement=self.displacement, velocity=self.velocity)
+
+
+class BeamsStart(Part):
+    """Initial displacement and velocity of several beams, each by itself; a beam that is not named is at rest."""
+
+    kind: Literal["beams"] = "beams"
+    beams: Annotated[tuple[BeamStart, ...], Field(min_length=1)]
+    """Tables of beam, displacement and velocity, and of x where these are samples."""
+
+
+@dataclass(frozen=True)
+class LineShape:
+    """An initial state of several beams as functions of the position on the line."""
+
+    parts: tuple[tuple[float, float, PolynomialShape | SampledShape], ...]
+    """Start and end on the line, m, and the shapes, of each beam that is not at rest."""
+
+    def displacement_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z(x, 0) or an x-derivative of it. See `AtRest.displacement_at`."""
+        return self._of_beams("displacement_at", x, derivative)
+
+    def velocity_at(self, x: FloatArray, derivative: int = 0) -> FloatArray:
+        """z_t(x, 0), m/s, or an x-derivative of it. See `AtRest.displacement_at`."""
+        return self._of_beams("velocity_at", x, derivative)
+
+    def _of_beams(self, name: str, x: FloatArray, derivative: int) -> FloatArray:
+        """A shape of each beam at its own positions, zero elsewhere."""
+        x = np.asarray(x, dtype=float)
+        found = np.zeros_like(x)
+        for start, end, shape in self.parts:
+            here = (x >= start) & (x <= end)
+            found = np.where(here, getattr(shape, name)(np.clip(x - start, 0.0, end - start), derivative), found)
+        return found
+
+
 @lru_cache(maxsize=32)
 def _spline_through(x: tuple[float, ...], values: tuple[float, ...]) -> Any:
     from scipy.interpolate import CubicSpline
@@ -118,9 +172,11 @@ def _polynomial(coefficients: tuple[float, ...], x: FloatArray, derivative: int)
     return np.asarray(result, dtype=float)
 
 
-InitialShape = AtRest | PolynomialShape | SampledShape
-"""An initial state that a problem states as functions of x."""
-InitialState = Annotated[InitialShape | AtEquilibrium, Field(discriminator="kind")]
+InitialShape = AtRest | PolynomialShape | SampledShape | LineShape
+"""An initial state as functions of the position on the line."""
+InitialState = Annotated[
+    AtRest | PolynomialShape | SampledShape | AtEquilibrium | BeamsStart, Field(discriminator="kind")
+]
 
 
 def initial_from_functions(

@@ -10,18 +10,25 @@ different positions are farther apart than rounding.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lapjoint.problem.beam import LEAST, MOST, NEAREST
+from lapjoint.problem.beam import LEAST, MOST, NEAREST, Beam
 from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
-from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState
+from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, PolynomialShape, SampledShape
+from lapjoint.problem.line import Line
+from lapjoint.problem.placing import masses_of, supports_of
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
-from lapjoint.problem.structure import Structure
+from lapjoint.problem.structure import PlacedLink, Structure
+from lapjoint.problem.supports_and_stops import Support
+
+if TYPE_CHECKING:
+    from lapjoint.problem.problem import Problem
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a support, divided by EI / L^3, or by EI / L if it is torsional.
@@ -45,21 +52,20 @@ _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
 
-def faults_of_size(
-    joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad], initial: InitialState
-) -> Iterator[str]:
-    """A line for each number of a problem that is out of its limits; the parts are valid, and those of the excitation
-    are given by their paths."""
-    yield from _of_inertia(joint)
+def faults_of_size(problem: Problem, joint: Structure) -> Iterator[str]:
+    """A line for each number of a problem, whose structure is `joint`, that is out of its limits; the parts are
+    valid."""
+    line, excitation = joint.line, problem.excitation_parts
+    yield from _of_inertia(problem, line)
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
         yield from _stated(f"stops[{i}].stiffness", stop.stiffness, "N/m")
         yield from _stated(f"stops[{i}].damping", stop.damping, "N s/m")
-    yield from _of_places(joint, excitation)
-    yield from _of_stiffness(joint)
-    yield from _of_damping(joint)
+    yield from _of_places(problem, joint)
+    yield from _of_stiffness(problem, joint)
+    yield from _of_damping(problem, joint)
     yield from faults_of_excitation(excitation)
-    yield from _of_initial_state(initial, joint.beam.length)
+    yield from _of_initial_state(problem, line)
 
 
 def faults_of_excitation(excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
@@ -100,45 +106,53 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]) -> Iterator[str]:
+def _of_places(problem: Problem, joint: Structure) -> Iterator[str]:
     """Parts within rounding of the root, and supports within rounding of each other: the messages ask whether a clamp
     was meant."""
-    least = NEAREST * joint.beam.length
-    supports = {f"supports[{i}].x": support.x for i, support in enumerate(joint.supports)}
-    stops = {f"stops[{i}].x": stop.x for i, stop in enumerate(joint.stops)}
-    masses = {f"masses[{i}].x": mass.x for i, mass in enumerate(joint.masses)}
-    loads = {f"{path}.x": load.x for path, load in excitation.items() if hasattr(load, "x")}
+    line = joint.line
+    supports = {f"{path}.x": part.x for path, part in supports_of(problem, line)}
+    stops = {f"stops[{i}].x": x for i, stop in enumerate(joint.stops) for x, _ in stop.reading}
+    masses = {f"{path}.x": part.x for path, part in masses_of(problem, line)}
+    loads = {
+        f"point_loads[{i}].x": line.at(load.x)
+        for i, load in enumerate(problem.point_loads)
+        if not line.fault_of(load.x)
+    }
     for path, x in (supports | stops | masses | loads).items():
-        if 0 < x <= least:
-            yield f"{path} = {x:g}: must be 0, or more than {NEAREST:g} of the length, which is {least:.2g} m"
+        i = line.beam_at(x)
+        own, least = x - line.starts[i], NEAREST * line.beams[i].length
+        if 0 < own <= least:
+            yield f"{path} = {own:g}: must be 0, or more than {NEAREST:g} of the length, which is {least:.2g} m"
     for (one, x), (other, y) in pairwise(sorted(supports.items(), key=lambda item: item[1])):
-        if 0 < y - x <= least and x > least:
+        i = line.beam_at(x)
+        start, least = line.starts[i], NEAREST * line.beams[i].length
+        if 0 < y - x <= least and x - start > least:
             yield (
-                f"{other} = {y!r}: lies {y - x:.2g} m from {one} = {x!r}; allowed are the same place, and more than "
-                f"{NEAREST:g} of the length, which is {least:.2g} m"
+                f"{other} = {y - start!r}: lies {y - x:.2g} m from {one} = {x - start!r}; allowed are the same place, "
+                f"and more than {NEAREST:g} of the length, which is {least:.2g} m"
             )
 
 
-def _of_stiffness(joint: Structure) -> Iterator[str]:
-    """Springs too soft or too stiff, relative to the beam, for double precision."""
-    L, EI = joint.beam.length, joint.beam.EI
-    units = {"translational": (EI / L**3, "EI / length^3"), "torsional": (EI / L, "EI / length")}
-    for i, support in enumerate(joint.supports):
-        for name, (unit, text) in units.items():
-            spring, least, most = getattr(support, name), _SOFTEST * unit, _FIXED * unit
-            if 0 < spring < least or most < spring < math.inf:
-                yield (
-                    f"supports[{i}].{name} = {spring:g}: is {spring / unit:.2g} {text}; allowed are 0, "
-                    f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
-                )
-    unit, text = units["translational"]
+def _of_stiffness(problem: Problem, joint: Structure) -> Iterator[str]:
+    """Springs too soft or too stiff, relative to the beams that they touch, for double precision."""
+    line = joint.line
+    for path, support in supports_of(problem, line):
+        yield from _of_springs(path, support, [line.beams[line.beam_at(support.x)]])
+    for i, link in enumerate(joint.links):
+        yield from _of_springs(f"links[{i}]", link, [line.beams[line.beam_at(x)] for x in (link.first, link.second)])
+    text = "EI / length^3"
     for i, stop in enumerate(joint.stops):
+        beams = [line.beams[line.beam_at(x)] for x, _ in stop.reading]
+        unit = min(beam.EI / beam.length**3 for beam in beams)
         if stop.stiffness > _STIFFEST * unit:
             yield (
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
                 f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
             )
-        critical = math.sqrt(joint.beam.m) * (math.sqrt(EI) / L + math.sqrt(stop.stiffness * L))
+        critical = min(
+            math.sqrt(beam.m) * (math.sqrt(beam.EI) / beam.length + math.sqrt(stop.stiffness * beam.length))
+            for beam in beams
+        )
         if stop.damping > _MOST_IN_STOP * critical:
             yield (
                 f"stops[{i}].damping = {stop.damping:g}: must be at most {_MOST_IN_STOP:g} times sqrt(EI m) / length + "
@@ -146,33 +160,56 @@ def _of_stiffness(joint: Structure) -> Iterator[str]:
             )
 
 
-def _of_inertia(joint: Structure) -> Iterator[str]:
-    """Masses too heavy, and steps too large, for double precision to hold slow and fast modes."""
-    beam = joint.beam
-    whole = beam.m * beam.length
-    for i, mass in enumerate(joint.masses):
+def _of_springs(path: str, springs: Support | PlacedLink, beams: Sequence[Beam]) -> Iterator[str]:
+    """Springs of a support or of a link that are out of their limits, relative to each of the beams."""
+    for name, power, text in (("translational", 3, "EI / length^3"), ("torsional", 1, "EI / length")):
+        spring, units = getattr(springs, name), [beam.EI / beam.length**power for beam in beams]
+        least, most = _SOFTEST * max(units), _FIXED * min(units)
+        if 0 < spring < least or most < spring < math.inf:
+            unit = max(units) if spring < least else min(units)
+            yield (
+                f"{path}.{name} = {spring:g}: is {spring / unit:.2g} {text}; allowed are 0, "
+                f"{_SOFTEST:g} to {_FIXED:g} {text}, which is {least:.2g} to {most:.2g}, and inf"
+            )
+
+
+def _of_inertia(problem: Problem, line: Line) -> Iterator[str]:
+    """Masses too heavy, and steps or beams too unlike, for double precision to hold slow and fast modes."""
+    for path, mass in masses_of(problem, line):
+        beam = line.beams[line.beam_at(mass.x)]
+        whole = beam.m * beam.length
         for name, size, unit, text in (
             ("mass", mass.mass, whole, "the beam's mass"),
             ("rotary_inertia", mass.rotary_inertia, whole * beam.length**2, "the beam's mass times length^2"),
         ):
             if not size <= _HEAVIEST * unit:
                 yield (
-                    f"masses[{i}].{name} = {size:g}: is {size / unit:.2g} times {text}; allowed are up to "
+                    f"{path}.{name} = {size:g}: is {size / unit:.2g} times {text}; allowed are up to "
                     f"{_HEAVIEST:g} times, which is {_HEAVIEST * unit:.2g}"
                 )
     for name, field in (("bending stiffness", "EI"), ("mass per length", "inertia")):
-        values = [getattr(piece, field) for piece in beam.pieces]
+        values = [getattr(piece, field) for piece in line.pieces]
         if max(values) > _STEEPEST * min(values):
-            low, high = values.index(min(values)), values.index(max(values))
+            low, high = (_piece_path(line, values.index(extreme)) for extreme in (min(values), max(values)))
             yield (
-                f"beam.segments[{high}]: its {name} is {max(values) / min(values):.2g} times that of segments[{low}]; "
+                f"{high}: its {name} is {max(values) / min(values):.2g} times that of {low}; "
                 f"allowed are up to {_STEEPEST:g} times"
             )
 
 
-def _of_damping(joint: Structure) -> Iterator[str]:
+def _piece_path(line: Line, number: int) -> str:
+    """The path of a piece of the line, by its number."""
+    for j, beam in enumerate(line.beams):
+        if number < len(beam.pieces):
+            here = f"beams[{j}]" if line.several else "beam"
+            return f"{here}.segments[{number}]" if beam.segments else here
+        number -= len(beam.pieces)
+    raise AssertionError(number)
+
+
+def _of_damping(problem: Problem, joint: Structure) -> Iterator[str]:
     """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
-    damping, beam = joint.damping, joint.beam
+    damping, line = joint.damping, joint.line
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
         for i, ratio in enumerate(damping.ratio if isinstance(damping.ratio, tuple) else (damping.ratio,)):
@@ -180,12 +217,12 @@ def _of_damping(joint: Structure) -> Iterator[str]:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
-        if joint.masses or any(piece.inertia != beam.pieces[0].inertia for piece in beam.pieces):
+        if joint.masses or any(piece.inertia != line.pieces[0].inertia for piece in line.pieces):
             yield (
                 'damping.kind = "viscous": masses, or a mass per length that changes, make this damping couple the '
                 'modes; allowed with them are "modal" and "none"'
             )
-        critical = 2 * beam.m * beam.slowest_bending
+        critical = 2 * line.m * line.slowest_bending
         if not damping.coefficient <= _MOST_DAMPED * critical:
             yield (
                 f"damping.coefficient = {damping.coefficient:g}: must be at most {_MOST_DAMPED:g} times the critical "
@@ -213,18 +250,25 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
                     yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
 
 
-def _of_initial_state(initial: InitialState, length: float) -> Iterator[str]:
+def _of_initial_state(problem: Problem, line: Line) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
+    initial = problem.initial
     if isinstance(initial, AtRest | AtEquilibrium):
         return
-    grid = np.linspace(0.0, length, 101)
-    with np.errstate(all="ignore"):
-        for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
-            for order, word in enumerate(("largest value", "largest slope", "largest second derivative")):
-                reached = _largest(shape(grid, order))
-                if not reached <= MOST:
-                    yield _following(f"initial.{name}", word, reached, f"{name} and length")
-                    break
+    shapes: list[tuple[str, float, PolynomialShape | SampledShape]]
+    if isinstance(initial, BeamsStart):
+        shapes = [(f"initial.beams[{i}]", line.length, one.shape) for i, one in enumerate(initial.beams)]
+    else:
+        shapes = [("initial", line.length, initial)]
+    for path, length, shape in shapes:
+        grid = np.linspace(0.0, length, 101)
+        with np.errstate(all="ignore"):
+            for name, of_x in (("displacement", shape.displacement_at), ("velocity", shape.velocity_at)):
+                for order, word in enumerate(("largest value", "largest slope", "largest second derivative")):
+                    reached = _largest(of_x(grid, order))
+                    if not reached <= MOST:
+                        yield _following(f"{path}.{name}", word, reached, f"{name} and length")
+                        break
 
 
 def _largest(values: FloatArray) -> float:

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 
 from lapjoint.errors import InputError
+from lapjoint.problem.places import place_of
 from lapjoint.problem.problem import Problem
 
 _COORDINATE = re.compile(r"\s*([zv])\s*\(\s*([^()\s]+)\s*\)\s*")
@@ -17,11 +18,11 @@ class Coordinate:
 
     kind: str
     """"z": displacement, m; "v": velocity, m/s."""
-    place: float
-    """m from the root."""
+    place: float | str
+    """m from the root; of several beams as ``upper:0.3``."""
 
     def __str__(self) -> str:
-        return f"{self.kind}({self.place:.10g})"
+        return f"{self.kind}({self.place})" if isinstance(self.place, str) else f"{self.kind}({self.place:.10g})"
 
     @property
     def units(self) -> str:
@@ -42,7 +43,7 @@ class Plane:
         parts = text.split(",") if isinstance(text, str) else []
         found = [_COORDINATE.fullmatch(part) for part in parts]
         try:
-            coordinates = [Coordinate(one[1], float(one[2])) for one in found if one is not None]
+            coordinates = [Coordinate(one[1], place_of(one[2])) for one in found if one is not None]
         except ValueError:
             coordinates = []
         if len(found) != 2 or len(coordinates) != 2:
@@ -64,7 +65,7 @@ class Plane:
 
     def check(self, problem: Problem) -> None:
         """Refuse a plane with a place that is not on the beam of a problem."""
-        length = problem.beam.length
         for one in self.coordinates:
-            if not 0 <= one.place <= length:
-                raise InputError(f"plane = {str(self)!r}: {one} is not on the beam, which is {length:g} m long")
+            fault = problem.line.fault_of(one.place)
+            if fault:
+                raise InputError(f"plane = {str(self)!r}: {one}: {fault[1]}")

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, Literal, Self
 
-import numpy as np
 from pydantic import model_validator
 
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
@@ -17,16 +16,29 @@ from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
 from lapjoint.problem.hints import hints
-from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialState, SampledShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, InitialShape, InitialState
 from lapjoint.problem.limits import faults_of_excitation, faults_of_part, faults_of_size
-from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.line import Line
+from lapjoint.problem.links import Link
 from lapjoint.problem.masses import Mass
-from lapjoint.problem.messages import shown
+from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.placing import (
+    can_be_placed,
+    line_of,
+    load_faults,
+    moved_supports,
+    names_used_twice,
+    place_faults,
+    placed,
+    shape_on_line,
+    start_faults,
+    uniform_load_shape,
+)
 from lapjoint.problem.random_motion import Random, RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import Record, RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Part
 from lapjoint.problem.static_loads import Gravity, UniformLoad
-from lapjoint.problem.structure import Structure, structure_of
+from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import Stop, Support
 
 _ROUNDINGS = 1e-12
@@ -46,8 +58,12 @@ class Problem(Part):
     """Version of this schema; a file may state it, and one of another version is refused."""
     title: str = ""
     """What this problem is, in a line."""
-    beam: Beam
+    beam: Beam | None = None
     """The beam: its length, stiffness and mass."""
+    beams: tuple[NamedBeam, ...] = ()
+    """Several beams instead of one, each with its supports and masses."""
+    links: tuple[Link, ...] = ()
+    """Springs and dampers between two beams."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
@@ -69,11 +85,15 @@ class Problem(Part):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        joint = Structure(self.beam, self.supports, self.stops, self.damping, self.masses)
-        of_size = faults_of_size(joint, self._excitation, self.initial)
-        faults = [*_outside_the_beam(self), *_names_used_twice(self), *of_size, *_base_of_stops_in_space(self)]
+        faults = [*place_faults(self)]
+        if not faults or can_be_placed(self):
+            faults += [
+                *names_used_twice(self),
+                *faults_of_size(self, placed(self, self.line)),
+                *_base_of_stops_in_space(self),
+            ]
         if not faults:
-            faults = [*_initial_off_the_beam(self)] or [*_initial_moves_fixed_supports(self)]
+            faults = [*start_faults(self, self.line)] or [*moved_supports(self, self.line)]
         if faults:
             raise ValueError("\n".join(faults))
         _warn_of_excitation(self)
@@ -87,12 +107,43 @@ class Problem(Part):
     @cached_property
     def structure(self) -> Structure:
         """The joint without its excitation and its start; copies `with_excitation` share it."""
-        return structure_of(self.beam, self.supports, self.stops, self.damping, self.masses)
+        return placed(self, self.line)
+
+    @cached_property
+    def line(self) -> Line:
+        """The beams on one axis; a position is a number on it, see `lapjoint.problem.line`."""
+        return line_of(self)
+
+    def position(self, place: float | str) -> float:
+        """The position on the line of beams, m, of a place such as ``upper:0.3``.
+
+        Parameters
+        ----------
+        place : float or str
+            Position from the root, m; of several beams the name of one, and a position on it.
+
+        Returns
+        -------
+        float
+            The position, m, which motions and modes take as x; of one beam that from its root.
+
+        Raises
+        ------
+        InputError
+            If there is no such beam, or the position is outside it.
+        """
+        return self.line.at(place)
+
+    @property
+    def start(self) -> InitialShape:
+        """The initial state, other than an equilibrium, as functions of the position."""
+        assert not isinstance(self.initial, AtEquilibrium)
+        return shape_on_line(self.initial, self.line)
 
     @cached_property
     def forces(self) -> Forces:
         """All that drives the beam, as lists of forces that solvers read."""
-        fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
+        fundamental = common_fundamental(_angular_frequencies(self.excitation_parts).values())
         return forces_of(self.structure, self.base_motion, self.point_loads, self.static_loads, fundamental)
 
     @cached_property
@@ -102,14 +153,13 @@ class Problem(Part):
         if self.gravity is not None:
             found.append(ConstantForce(self.structure.weight, self.gravity.acceleration))
         for load in self.uniform_loads:
-            end = self.beam.length if load.to is None else load.to
-            found.append(ConstantForce(LoadShape.along(load.start, end), load.force_per_length))
+            found.append(ConstantForce(uniform_load_shape(load, self.line), load.force_per_length))
         return tuple(force for force in found if force.force)
 
     @cached_property
     def moved_stops(self) -> tuple[Wave, ...]:
         """The waves of y(t), by which stops fixed in space move relative to the base; none without such stops."""
-        moves = self.base_motion is not None and any(stop.in_space for stop in self.stops)
+        moves = self.base_motion is not None and any(stop.in_space for stop in self.structure.stops)
         return self.base_motion.waves if moves and self.base_motion is not None else ()
 
     @property
@@ -142,7 +192,7 @@ class Problem(Part):
         if self.random:
             path = next(iter(self.random))
             raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
-        found = _angular_frequencies(self._excitation)
+        found = _angular_frequencies(self.excitation_parts)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
             there += ' (kind = "harmonics" may state a lower one)'
@@ -157,35 +207,13 @@ class Problem(Part):
         """The period T = 2 pi / omega of all periodic excitation, s. See `require_excitation_frequency`."""
         return 2 * math.pi / self.require_excitation_frequency(purpose)
 
-    def require_position(self, x: float) -> float:
-        """A position that must lie on the beam.
-
-        Parameters
-        ----------
-        x : float
-            Position from the root, m.
-
-        Returns
-        -------
-        float
-            The position, m.
-
-        Raises
-        ------
-        InputError
-            If it is outside the beam.
-        """
-        if not 0.0 <= x <= self.beam.length:
-            raise InputError(f"x = {x:g}: lies outside the beam; allowed are 0 to {self.beam.length:g} m")
-        return float(x)
-
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self.structure, self.gravity, self.forces)
+        return hints(self)
 
     @property
-    def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
+    def excitation_parts(self) -> dict[str, AnyBaseMotion | PointLoad]:
         """The base motion and the point loads, by their paths."""
         base = {} if self.base_motion is None else {"base_motion": self.base_motion}
         return base | {f"point_loads[{i}]": load for i, load in enumerate(self.point_loads)}
@@ -193,12 +221,12 @@ class Problem(Part):
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
-        return {path: it for path, it in self._excitation.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
+        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
 
     @property
     def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
         """All random excitation, by its path."""
-        return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
+        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
         """The problem with one seed, 0 or more, in all random parts, which are independent. See `with_seeds`."""
@@ -302,8 +330,8 @@ class Problem(Part):
         kept = {"base_motion": self.base_motion, "point_loads": self.point_loads}
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
-        off = _outside_the_beam(made, ("point_loads",)), _base_of_stops_in_space(made)
-        if any(map(any, off)) or any(faults_of_excitation(made._excitation)):
+        off = load_faults(made, made.line), _base_of_stops_in_space(made)
+        if any(map(any, off)) or any(faults_of_excitation(made.excitation_parts)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -335,11 +363,18 @@ class Problem(Part):
 
     def _driven_by(self, **parts: Any) -> Problem:
         """A copy with other parts of its excitation, which are valid."""
-        _ = self.structure  # made once, for all copies
+        _ = self.structure, self.line  # made once, for all copies
         made = self.model_copy(update=parts)
         for name in ("forces", "moved_stops"):  # what is cached belongs to this problem
             vars(made).pop(name, None)
         return made
+
+
+def resting(structure: Structure, constant: tuple[ConstantForce, ...] = ()) -> Problem:
+    """A structure at rest under constant forces, for all that depends on nothing else; no field of it is written."""
+    made = Problem.model_construct(damping=structure.damping)
+    vars(made).update(structure=structure, line=structure.line, forces=Forces(constant, ()))
+    return made
 
 
 def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict[str, float]:
@@ -355,32 +390,11 @@ def _base_of_stops_in_space(problem: Problem) -> Iterator[str]:
     """A line if the base does not move as a sum of sines, and a stop is fixed in space, so that its gap sees y(t)."""
     base = problem.base_motion
     for i, stop in enumerate(problem.stops):
-        if stop.in_space and isinstance(base, Record | Random):
+        if stop.fixed_to == "space" and isinstance(base, Record | Random):
             yield (
                 f'stops[{i}].fixed_to = "space": base_motion.kind is "{base.kind}"; with stops fixed in space the base '
                 'may move by a "sine" or "harmonics"'
             )
-
-
-def _outside_the_beam(
-    problem: Problem, groups: tuple[str, ...] = ("supports", "stops", "masses", "point_loads", "uniform_loads")
-) -> Iterator[str]:
-    L = problem.beam.length
-    for group in groups:
-        for i, part in enumerate(getattr(problem, group)):
-            for field in ("x", "to"):
-                x = getattr(part, field, None)
-                if x is not None and x > L:
-                    yield f"{group}[{i}].{field} = {x:g}: lies outside the beam; allowed are 0 to {L:g} m"
-            if group == "uniform_loads" and part.to is None and part.start >= L:
-                yield f"{group}[{i}].from = {part.start:g}: must be less than the length of the beam, {L:g} m"
-
-
-def _names_used_twice(problem: Problem) -> Iterator[str]:
-    first: dict[str, int] = {}
-    for i, name in enumerate(problem.stop_names):
-        if first.setdefault(name, i) < i:
-            yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
 
 
 def _warn_of_excitation(problem: Problem) -> None:
@@ -394,7 +408,7 @@ def _warn_of_excitation(problem: Problem) -> None:
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
-        slowest = problem.beam.slowest_bending / (2 * math.pi)
+        slowest = problem.line.slowest_bending / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
@@ -406,33 +420,9 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
     for path, part in problem.random.items():
-        slowest = problem.beam.slowest_bending / (2 * math.pi)
+        slowest = problem.line.slowest_bending / (2 * math.pi)
         if part.density.top < slowest:
             yield (
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
                 "it drives no mode at its own frequency"
             )
-
-
-def _initial_off_the_beam(problem: Problem) -> Iterator[str]:
-    initial, L = problem.initial, problem.beam.length
-    if isinstance(initial, SampledShape) and (initial.x[0] != 0.0 or initial.x[-1] != L):
-        yield f"initial.x: runs from {initial.x[0]:g} to {initial.x[-1]:g}, and must run from 0 to {L:g} m"
-
-
-def _initial_moves_fixed_supports(problem: Problem) -> Iterator[str]:
-    initial = problem.initial
-    if isinstance(initial, AtRest | AtEquilibrium):
-        return
-    grid = np.linspace(0.0, problem.beam.length, 101)
-    for name, shape in (("displacement", initial.displacement_at), ("velocity", initial.velocity_at)):
-        for derivative, word, spring in ((0, "moves", "translational"), (1, "turns", "torsional")):
-            # A spline through a callable's samples meets a fixed support only within its interpolation error.
-            allowed = 1e-6 * float(np.max(np.abs(shape(grid, derivative)), initial=0.0))
-            for i, support in enumerate(problem.supports):
-                value = float(shape(np.array(support.x), derivative))
-                if math.isinf(getattr(support, spring)) and abs(value) > allowed:
-                    yield (
-                        f"initial.{name}: {word} supports[{i}] at x = {support.x:g} m, which is fixed; "
-                        f"{'its slope' if derivative else 'it'} is {value:g} there and must be 0"
-                    )

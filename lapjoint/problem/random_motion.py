@@ -18,9 +18,10 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from lapjoint.errors import ExcitationWarning
 from lapjoint.problem.density import Density
 from lapjoint.problem.messages import shown
+from lapjoint.problem.places import Place
 from lapjoint.problem.realisation import MOST_TAPS, Realisation, edge
 from lapjoint.problem.records import LARGEST, UNITS
-from lapjoint.problem.schema import FloatArray, NonNegative, Part, Positive, Whole
+from lapjoint.problem.schema import FloatArray, Part, Positive, Whole
 
 SAMPLES_A_PERIOD = 8.0
 """Default number of samples per period of the highest frequency.  Straight lines between samples take off 10 % of the
@@ -195,8 +196,8 @@ class RandomLoad(Random):
     constant: ClassVar[float] = 0.0
     """The constant part, N."""
     kind: Literal["random"] = "random"
-    x: NonNegative
-    """Position, m, within the beam."""
+    x: Place
+    """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
 
     @property
     def _measured(self) -> Literal["acceleration", "force"]:

@@ -15,10 +15,11 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from lapjoint.errors import RecordWarning
 from lapjoint.problem.messages import shown
+from lapjoint.problem.places import Place
 from lapjoint.problem.record_files import read_columns
 from lapjoint.problem.recorded_motion import RecordedMotion, motion_through
 from lapjoint.problem.samples import Samples, Source
-from lapjoint.problem.schema import FloatArray, IntArray, NonNegative, Part, Positive, Whole
+from lapjoint.problem.schema import FloatArray, IntArray, Part, Positive, Whole
 
 G = 9.80665  # m/s2, the standard acceleration of free fall (CGPM 1901)
 INCH, POUND = 0.0254, 0.45359237  # m and kg, the international inch and pound (1959)
@@ -300,8 +301,8 @@ class RecordLoad(Record):
     constant: ClassVar[float] = 0.0
     """The constant part, N."""
     kind: Literal["record"] = "record"
-    x: NonNegative
-    """Position, m, within the beam."""
+    x: Place
+    """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
 
     @property
     def _measured(self) -> str:

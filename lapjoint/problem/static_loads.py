@@ -21,10 +21,12 @@ class UniformLoad(Part):
 
     model_config = ConfigDict(populate_by_name=True)
 
+    beam: str = ""
+    """Name of the beam on which it acts, if there are several."""
     start: NonNegative = Field(default=0.0, alias="from")
-    """Where the load begins, m; the root, if not given."""
+    """Where the load begins on the beam, m; its left end, if not given."""
     to: Positive | None = None
-    """Where the load ends, m; the tip, if not given."""
+    """Where the load ends, m; the beam's right end, if not given."""
     force_per_length: Finite
     """Force per unit length, N/m, positive upwards."""
 

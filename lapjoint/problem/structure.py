@@ -1,4 +1,7 @@
-"""The joint without its excitation and its initial state: the part shared by all problems of a sweep over these two."""
+"""The joint without its excitation and its initial state: the part shared by all problems of a sweep over these two.
+
+All positions are on the line of beams, see `lapjoint.problem.line`.
+"""
 
 from __future__ import annotations
 
@@ -7,63 +10,104 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from lapjoint.problem.beam import Beam
 from lapjoint.problem.damping import Damping
+from lapjoint.problem.line import Line
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
-from lapjoint.problem.supports_and_stops import Stop, Support
+from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.supports_and_stops import PlacedStop, Support
 
 _HELD = 1e-9
-"""Supports hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
+"""Supports and links hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
 _KEPT = 64
 """Number of structures that are cached: problems of one campaign mostly share one."""
 
 
+@dataclass(frozen=True)
+class PlacedLink:
+    """A link on the line of beams: springs and a damper between two positions."""
+
+    first: float
+    """Position on the line, m."""
+    second: float
+    """Position on the line, m, on another beam."""
+    translational: float
+    """Stiffness between the displacements, N/m, from 0 to inf."""
+    torsional: float
+    """Stiffness between the slopes, N m/rad, from 0 to inf."""
+    damping: float
+    """Viscous damping between the displacements, N s/m."""
+
+
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """A beam with its supports, stops, damping and masses.
+    """Beams with their supports, stops, links, damping and masses.
 
     Equal ones are one object as long as it is cached: caches keyed by it need not compare its parts.
     """
 
-    beam: Beam
+    line: Line
     supports: tuple[Support, ...]
-    stops: tuple[Stop, ...]
+    stops: tuple[PlacedStop, ...]
     damping: Damping
     masses: tuple[Mass, ...] = ()
+    links: tuple[PlacedLink, ...] = ()
 
     @cached_property
     def inertia(self) -> LoadShape:
-        """All that moves, kg and kg/m: the shape of the force by which a moving base drives the beam."""
-        return LoadShape(
-            tuple((mass.x, mass.mass) for mass in self.masses if mass.mass),
-            tuple((piece.start, piece.end, piece.inertia) for piece in self.beam.pieces),
-        )
+        """All that moves, kg and kg/m, times the beam's share of the base's motion: the shape of the force by which a
+        moving base drives the beams."""
+        return self._masses("inertia", [_share(beam, "base_share") for beam in self.line.beams])
 
     @cached_property
     def weight(self) -> LoadShape:
-        """All on which gravity acts, kg and kg/m."""
-        along = tuple((piece.start, piece.end, piece.mass) for piece in self.beam.pieces)
-        return LoadShape(self.inertia.points, along)
+        """All on which gravity acts, kg and kg/m, times the beam's share of gravity."""
+        return self._masses("mass", [_share(beam, "gravity_share") for beam in self.line.beams])
+
+    def _masses(self, name: str, shares: list[float]) -> LoadShape:
+        """The lumped masses, and a mass per unit length, each times the share of its beam."""
+        line = self.line
+        points = ((it.x, shares[line.beam_at(it.x)] * it.mass) for it in self.masses)
+        pieces = ((it.start, it.end, shares[line.beam_at(it.start)] * getattr(it, name)) for it in line.pieces)
+        return LoadShape(tuple(point for point in points if point[1]), tuple(piece for piece in pieces if piece[2]))
 
     @cached_property
     def free_motions(self) -> int:
-        """Number of motions as a rigid body, 0 to 2, that the supports leave free."""
-        rows = [(1.0, support.x / self.beam.length) for support in self.supports if support.translational > 0]
-        rows += [(0.0, 1.0) for support in self.supports if support.torsional > 0]
-        return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
+        """Number of motions as rigid bodies, 0 to 2 for each beam, that supports and links leave free."""
+        line = self.line
+        rows = [self._rigid(support.x, 0) for support in self.supports if support.translational > 0]
+        rows += [self._rigid(support.x, 1) for support in self.supports if support.torsional > 0]
+        for link in self.links:
+            for derivative, stiffness in enumerate((link.translational, link.torsional)):
+                if stiffness > 0:
+                    rows.append(self._rigid(link.second, derivative) - self._rigid(link.first, derivative))
+        every = 2 * len(line.beams)
+        return every - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else every
+
+    def _rigid(self, x: float, derivative: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        """Displacement, or slope times length, at a position, m, when each beam shifts or turns; ``(2 beams,)``."""
+        found, i = np.zeros(2 * len(self.line.beams)), self.line.beam_at(x)
+        start, length = self.line.starts[i], self.line.beams[i].length
+        found[2 * i : 2 * i + 2] = (0.0, 1.0) if derivative else (1.0, (x - start) / length)
+        return found
 
     def __reduce__(self) -> tuple[object, ...]:
-        return structure_of, (self.beam, self.supports, self.stops, self.damping, self.masses)
+        return structure_of, (self.line, self.supports, self.stops, self.damping, self.masses, self.links)
+
+
+def _share(beam: object, name: str) -> float:
+    """How much of the base's motion, or of gravity, acts along a beam's z; 1 for the only beam."""
+    return float(getattr(beam, name)) if isinstance(beam, NamedBeam) else 1.0
 
 
 @lru_cache(maxsize=_KEPT)
 def structure_of(
-    beam: Beam,
+    line: Line,
     supports: tuple[Support, ...],
-    stops: tuple[Stop, ...],
+    stops: tuple[PlacedStop, ...],
     damping: Damping,
     masses: tuple[Mass, ...] = (),
+    links: tuple[PlacedLink, ...] = (),
 ) -> Structure:
     """The structure of these parts: one object for equal parts, as long as it is cached."""
-    return Structure(beam, supports, stops, damping, masses)
+    return Structure(line, supports, stops, damping, masses, links)

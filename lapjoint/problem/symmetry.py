@@ -6,8 +6,9 @@ from functools import lru_cache
 
 from lapjoint.problem import Problem
 from lapjoint.problem.structure import Structure
+from lapjoint.problem.supports_and_stops import PlacedStop
 
-_Key = tuple[tuple[float, bool], float, float, float, bool]
+_Key = tuple[tuple[tuple[float, float], ...], float, float, float, float, bool]
 _KEPT = 64
 """Number of structures whose twins are cached: all problems of one sweep, or of one branch, mostly share one
 structure."""
@@ -26,12 +27,17 @@ def mirror_twins(problem: Problem) -> tuple[int, ...] | None:
 @lru_cache(maxsize=_KEPT)
 def stop_twins(structure: Structure) -> tuple[int, ...] | None:
     """The twin of each stop on the other side, if both sides agree in place, gap, stiffness and damping; else None."""
-    sides: dict[str, list[tuple[_Key, int]]] = {"top": [], "bottom": []}
-    for k, stop in enumerate(structure.stops):
-        sides[stop.side].append(((stop.place, stop.gap, stop.stiffness, stop.damping, stop.may_pull), k))
-    top, bottom = (sorted(sides[side]) for side in ("top", "bottom"))
-    if [key for key, _ in top] != [key for key, _ in bottom]:
+    keys = [(*_seen(stop, 1), stop.gap, stop.stiffness, stop.damping, stop.may_pull) for stop in structure.stops]
+    mirrored = [(*_seen(stop, -1), *key[2:]) for stop, key in zip(structure.stops, keys, strict=True)]
+    if sorted(keys) != sorted(mirrored):
         return None
-    twins = {a: b for (_, a), (_, b) in zip(top, bottom, strict=True)}
-    twins |= {b: a for a, b in twins.items()}
-    return tuple(twins[k] for k in range(len(structure.stops)))
+    free: dict[_Key, list[int]] = {}
+    for k, key in enumerate(keys):
+        free.setdefault(key, []).append(k)
+    return tuple(free[key].pop(0) for key in mirrored)
+
+
+def _seen(stop: PlacedStop, mirror: int) -> tuple[tuple[tuple[float, float], ...], float]:
+    """Which displacements close a stop, with their factors, and its share of the base's motion; `mirror` is 1 or -1."""
+    factor = mirror * stop.sign
+    return tuple(sorted((x, factor * a) for x, a in stop.reading)), factor * stop.base_share

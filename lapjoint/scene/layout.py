@@ -37,10 +37,10 @@ class Layout:
     @cached_property
     def stations(self) -> FloatArray:
         """Positions along the beam, m, ascending, shape ``(n,)``."""
-        L = self.problem.beam.length
+        L = self.problem.line.length
         problem = self.problem
-        special = [support.x for support in problem.supports] + [stop.x for stop in problem.stops]
-        special += [mass.x for mass in problem.masses] + [piece.end for piece in problem.beam.pieces]
+        special = [support.x for support in problem.structure.supports] + [stop.x for stop in problem.structure.stops]
+        special += [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
         grid = np.linspace(0.0, L, self.points)
         # A grid point within 1e-9 L of a support, stop, mass or step is left out, so that no cell is degenerate.
         apart = np.all(np.abs(grid[:, None] - np.array(special)[None, :]) > 1e-9 * L, axis=1)
@@ -49,12 +49,12 @@ class Layout:
     @cached_property
     def at_stops(self) -> IntArray:
         """Index of each stop's station, shape ``(stops,)``."""
-        return np.searchsorted(self.stations, [stop.x for stop in self.problem.stops]).astype(np.int64)
+        return np.searchsorted(self.stations, [stop.x for stop in self.problem.structure.stops]).astype(np.int64)
 
     @cached_property
     def across(self) -> FloatArray:
         """Position of each stop across the beam, m, shape ``(stops,)``; stops at one position stand side by side."""
-        stops = self.problem.stops
+        stops = self.problem.structure.stops
         places = [(stop.x, stop.sign) for stop in stops]
         counted: Counter[tuple[float, int]] = Counter()
         number = np.zeros(len(places))
@@ -73,7 +73,7 @@ class Layout:
     def half_depth_at(self, x: FloatArray) -> FloatArray:
         """Height of the beam's surface above its axis at positions, m, ``(n,)``; at a step the larger of both sides."""
         found = np.zeros(x.size)
-        for piece in self.problem.beam.pieces:
+        for piece in self.problem.line.pieces:
             if piece.section is not None:
                 here = (x >= piece.start) & (x <= piece.end)
                 found = np.maximum(found, np.where(here, piece.section.depth / 2, 0.0))
@@ -82,24 +82,24 @@ class Layout:
     @property
     def half_mass(self) -> float:
         """Half the side of the cube that stands for a mass, m; it covers the beam."""
-        return max(1.2 * self.half_depth, self.problem.beam.length / 50)
+        return max(1.2 * self.half_depth, self.problem.line.length / 50)
 
     @property
     def breadth(self) -> float:
         """Largest breadth of the beam, m; a thirtieth of its length where the problem gives no cross-section."""
-        sections = [piece.section for piece in self.problem.beam.pieces]
+        sections = [piece.section for piece in self.problem.line.pieces]
         wide = [it.breadth if isinstance(it, Rectangle) else it.depth for it in sections if it is not None]
-        return max(wide, default=self.problem.beam.length / 30)
+        return max(wide, default=self.problem.line.length / 30)
 
     @property
     def reach(self) -> float:
         """Distance from the beam's surface to the rails that carry the stops, m, without gaps."""
-        return max(2 * self.half_depth, self.problem.beam.length / 15, 1.6 * self.pressed)
+        return max(2 * self.half_depth, self.problem.line.length / 15, 1.6 * self.pressed)
 
     def widest_gap(self, sign: int) -> float:
         """The widest gap, m, on the side `sign` of the beam (1: above), by which the rail of this side is moved
         away."""
-        return max((stop.gap for stop in self.problem.stops if stop.sign == sign), default=0.0)
+        return max((stop.gap for stop in self.problem.structure.stops if stop.sign == sign), default=0.0)
 
     def place(self, x: FloatArray, y: FloatArray | float, z: FloatArray | float) -> FloatArray:
         """Points of the scene, (n, 3), from coordinates along, across and above this joint's axis, m, (n,)."""

@@ -130,7 +130,7 @@ class Beam(Part):
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         beam, problem = sample.beam, self.layout.problem
-        z, EI = beam["z"], problem.beam.EI_at(self.layout.stations)
+        z, EI = beam["z"], problem.line.EI_at(self.layout.stations)
         point = _displacements(_upwards(z), sample)
         if "z_t" in beam:
             point |= _velocities(_upwards(beam["z_t"]), sample)
@@ -139,8 +139,8 @@ class Beam(Part):
             "moment": EI * beam["z_xx"],
             "shear": EI * beam["z_xxx"],
         }
-        if all(piece.section for piece in problem.beam.pieces):
-            point["bending_stress"] = -problem.beam.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
+        if all(piece.section for piece in problem.line.pieces):
+            point["bending_stress"] = -problem.line.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
         force = np.zeros_like(z)
         for stop, station in enumerate(self.layout.at_stops):
             force[:, station] += sample.force[:, stop]
@@ -154,7 +154,7 @@ class Solid(Part):
     def _blocks(self) -> tuple[tuple[BeamPiece, SectionMesh, IntArray], ...]:
         """Each piece of the beam with the mesh of its section, and the indices of the stations from start to end."""
         x, found = self.layout.stations, []
-        for piece in self.layout.problem.beam.pieces:
+        for piece in self.layout.problem.line.pieces:
             assert piece.section is not None
             found.append((piece, section_mesh(piece.section), np.flatnonzero((x >= piece.start) & (x <= piece.end))))
         return tuple(found)
@@ -184,7 +184,7 @@ class Solid(Part):
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         beam, height, (station, ratio) = sample.beam, self.points[:, 2], self._of_points
-        EI = self.layout.problem.beam.EI_at(self.layout.stations)
+        EI = self.layout.problem.line.EI_at(self.layout.stations)
 
         def on_points(values: FloatArray) -> FloatArray:
             """Values at the stations, ``(m, n)``, at the points of each cross-section."""
@@ -203,7 +203,7 @@ class Masses(Part):
 
     @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
-        masses, half = self.layout.problem.masses, self.layout.half_mass
+        masses, half = self.layout.problem.structure.masses, self.layout.half_mass
         corner = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
         faces = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
         x = np.repeat([mass.x for mass in masses], len(corner))
@@ -213,7 +213,7 @@ class Masses(Part):
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
-        x = np.array([mass.x for mass in self.layout.problem.masses])
+        x = np.array([mass.x for mass in self.layout.problem.structure.masses])
         at = np.repeat(np.searchsorted(self.layout.stations, x), len(self.points) // x.size)
         from_axis = self.points - np.column_stack([self.layout.stations[at], *np.zeros((2, at.size))])
         slope = sample.beam["z_x"][:, at]
@@ -230,7 +230,7 @@ class Stops(Part):
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
-        stops = self.layout.problem.stops
+        stops = self.layout.problem.structure.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
         moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
@@ -269,11 +269,11 @@ class Base(Part):
     @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         layout, problem = self.layout, self.layout.problem
-        L, far = problem.beam.length, layout.half_depth + layout.reach
-        posts = any(not _is_wall(support, L) for support in problem.supports)
-        sides = sorted({stop.sign for stop in problem.stops} | ({-1} if posts else set()))
+        L, far = problem.line.length, layout.half_depth + layout.reach
+        posts = any(not _is_wall(support, L) for support in problem.structure.supports)
+        sides = sorted({stop.sign for stop in problem.structure.stops} | ({-1} if posts else set()))
         plates = [((0.0, side * far), (L, side * far)) for side in sides]
-        for support in problem.supports:
+        for support in problem.structure.supports:
             if _is_wall(support, L):
                 plates.append(((support.x, -far), (support.x, far)))
             else:
@@ -288,9 +288,9 @@ class Base(Part):
         side = np.sign(self.points[:, 2]).astype(int)
         rails = sample.gapped * np.array([sign * self.layout.widest_gap(sign) for sign in side])
         z = np.tile(rails, (sample.times.size, 1))
-        problem, L = self.layout.problem, self.layout.problem.beam.length
-        first = len(self.points) - 4 * len(problem.supports)
-        for i, support in enumerate(problem.supports):
+        problem, L = self.layout.problem, self.layout.problem.line.length
+        first = len(self.points) - 4 * len(problem.structure.supports)
+        for i, support in enumerate(problem.structure.supports):
             if not _is_wall(support, L):
                 station = int(np.searchsorted(self.layout.stations, support.x))
                 z[:, [first + 4 * i, first + 4 * i + 3]] = sample.beam["z"][:, [station]]
@@ -300,10 +300,10 @@ class Base(Part):
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
     """The parts of a joint: a solid if there are cross-sections, masses, and stops, with their gaps if asked for."""
     problem = layout.problem
-    solid = (Solid(layout),) if all(piece.section for piece in problem.beam.pieces) else ()
-    masses = (Masses(layout),) if problem.masses else ()
-    stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.stops else ()
-    base = (Base(layout),) if problem.stops or problem.supports else ()
+    solid = (Solid(layout),) if all(piece.section for piece in problem.line.pieces) else ()
+    masses = (Masses(layout),) if problem.structure.masses else ()
+    stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.structure.stops else ()
+    base = (Base(layout),) if problem.structure.stops or problem.structure.supports else ()
     return (Beam(layout), *solid, *masses, *stops, *base)
 
 
@@ -313,9 +313,9 @@ def _is_wall(support: Support, L: float) -> bool:
 
 def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
     """For each stop a line of `length`, m, that leads from the beam's surface at rest away from the beam."""
-    sign = np.array([stop.sign for stop in layout.problem.stops])
-    x = np.repeat([stop.x for stop in layout.problem.stops], 2)
-    surface = layout.half_depth_at(np.array([stop.x for stop in layout.problem.stops]))
+    sign = np.array([stop.sign for stop in layout.problem.structure.stops])
+    x = np.repeat([stop.x for stop in layout.problem.structure.stops], 2)
+    surface = layout.half_depth_at(np.array([stop.x for stop in layout.problem.structure.stops]))
     z = np.column_stack([sign * surface, sign * np.where(length, layout.half_depth + length, surface)]).ravel()
     return layout.place(x, np.repeat(layout.across, 2), z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
 

@@ -76,7 +76,7 @@ class Motion:
     @property
     def pressed(self) -> float:
         """Largest penetration of a stop, m."""
-        stops = self.history.problem.stops
+        stops = self.history.problem.structure.stops
         return max((c.peak_force / stops[c.stop].stiffness for c in self.history.contacts), default=0.0)
 
     def sample(self, layout: Layout, times: FloatArray) -> Sample:
@@ -84,7 +84,7 @@ class Motion:
         history = self.history
         beam = {name: history.evaluate(layout.stations, times, *d).T for name, d in _DERIVATIVES.items()}
         states = [history.state_at(float(t)) for t in times]
-        stops = history.problem.stops
+        stops = history.problem.structure.stops
         closed = np.array([[i in state for i in range(len(stops))] for state in states], dtype=np.int64)
         closed = closed.reshape(times.size, len(stops))
         moved = -history.base_of_stops(times).T
@@ -109,7 +109,7 @@ class ModeSeries:
         """Sample the mode shapes.  See `lapjoint.scene.sampled_motion.Source.sample`."""
         here = np.asarray(times, dtype=np.int64) - 1
         beam = {f"z{'_' * (d > 0)}{'x' * d}": self.modes.shapes(layout.stations, d)[here] for d in range(4)}
-        stops, still = self.problem.stops, np.zeros((2, here.size))
+        stops, still = self.problem.structure.stops, np.zeros((2, here.size))
         closed = np.tile([int(i in self.modes.state) for i in range(len(stops))], (here.size, 1)).astype(np.int64)
         faces = closed * beam["z"][:, layout.at_stops]
         force = -np.array([stop.stiffness for stop in stops]) * faces

@@ -151,7 +151,7 @@ class Collector:
 
     def _impact_speeds(self, history: History) -> FloatArray:
         """Impact speed of each contact of a stretch, m/s, shape (c,)."""
-        contacts, stops = history.contacts, history.problem.stops
+        contacts, stops = history.contacts, history.problem.structure.stops
         if not contacts:
             return np.zeros(0)
         starts, which = np.array([c.start for c in contacts]), np.array([c.stop for c in contacts])

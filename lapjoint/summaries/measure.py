@@ -132,7 +132,7 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     if isinstance(damping, ModalDamping):
         rates = damping.ratios(omega.size) * omega
     elif isinstance(damping, ViscousDamping):
-        half = damping.coefficient / (2 * problem.beam.m)
+        half = damping.coefficient / (2 * problem.line.m)
         rates = half - np.sqrt(np.maximum(half**2 - omega**2, 0.0))
     else:
         rates = np.zeros(omega.size)

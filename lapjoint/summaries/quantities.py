@@ -39,9 +39,9 @@ class Selection:
     def x(self) -> FloatArray:
         """All places, with stops, masses and steps of the beam, m, ascending, shape ``(X,)``."""
         problem = self.problem
-        parts = [stop.x for stop in problem.stops] + [mass.x for mass in problem.masses]
-        parts += [piece.end for piece in problem.beam.pieces]
-        return np.unique(np.concatenate([self.places, parts, np.linspace(0.0, problem.beam.length, STATIONS)]))
+        parts = [stop.x for stop in problem.structure.stops] + [mass.x for mass in problem.structure.masses]
+        parts += [piece.end for piece in problem.line.pieces]
+        return np.unique(np.concatenate([self.places, parts, np.linspace(0.0, problem.line.length, STATIONS)]))
 
     @cached_property
     def asked(self) -> IndexArray:
@@ -62,7 +62,7 @@ class Selection:
     @cached_property
     def _stops(self) -> tuple[IndexArray, FloatArray]:
         """Of the stops: where in `x` they are, shape ``(S,)``; sign times stiffness, N/m, ``(S, 1)``."""
-        stops = self.problem.stops
+        stops = self.problem.structure.stops
         signed = np.array([[stop.sign * stop.stiffness] for stop in stops], dtype=float).reshape(-1, 1)
         return np.searchsorted(self.x, [stop.x for stop in stops]), signed
 
@@ -100,7 +100,7 @@ def selection(
 ) -> Selection:
     """Quantities, by default the `DEFAULT` ones that the problem has, and places, by default stops and free ends."""
     if quantities is None:
-        names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.beam.pieces)]
+        names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.line.pieces)]
     else:
         names = checked_quantities(problem, quantities, QUANTITIES)
     return Selection(problem, tuple(QUANTITIES[name] for name in names), tuple(places_of(problem, at)))

@@ -33,7 +33,7 @@ PROBABILITY = 0.99  # Probability with which the interval of an exponent contain
 
 def solve(which: str, problem: Problem, elements: int, speed: float = 0.0) -> SteadyState:
     """The steady motion by the solver named, of a beam whose tip starts at `speed`, m/s."""
-    problem = problem.replace(initial=PolynomialShape(velocity=(0.0, 0.0, speed / problem.beam.length**2)))
+    problem = problem.replace(initial=PolynomialShape(velocity=(0.0, 0.0, speed / problem.line.length**2)))
     if which == "analytic":
         return analytic.Solver().steady_state(problem, errors=False)
     return fe_lapjoint.Solver(elements=elements).steady_state(problem, errors=False)

@@ -192,8 +192,8 @@ def meanings(problem: Problem) -> Iterator[Check]:
     for i, ratio in enumerate((0.013, 0.027, 0.041, 0.041, 0.041)):
         found = problem.damping.ratios(5)[i]  # type: ignore[union-attr]
         yield same(f"damping ratio of mode {i + 1}", found, ratio, "1")
-    for stop, sign in zip(problem.stops, (-1, 1), strict=True):
-        yield same(f"side of {stop.name}", stop.sign, sign, "1")
+    for name, stop, sign in zip(problem.stop_names, problem.structure.stops, (-1, 1), strict=True):
+        yield same(f"side of {name}", stop.sign, sign, "1")
     assert problem.excitation_frequency is not None
     yield same("common excitation frequency", problem.excitation_frequency, 71.5, "rad/s")
     yield from driving(problem)
@@ -201,7 +201,7 @@ def meanings(problem: Problem) -> Iterator[Check]:
         body = (
             f"[beam]\nlength = 1.0\nmaterial = {{youngs_modulus = 2.05e11, density = 7890.0}}\n[beam.section]\n{text}"
         )
-        beam, shape = from_toml(body).beam, text.split('"')[1]
+        beam, shape = from_toml(body).line, text.split('"')[1]
         yield same(f"mass per length of a {shape}", beam.m, 7890.0 * area, "kg/m", ROUNDING)
         yield same(f"bending stiffness of a {shape}", beam.EI, 2.05e11 * second, "N m2", 10 * ROUNDING)
 
@@ -233,7 +233,7 @@ def presets() -> Iterator[Check]:
         return Check(f"preset: {name}", given.unit, Estimate(found, ROUNDING * abs(given.value), "the preset"), b)
 
     joint, table_6 = paper_joint(), {key: row[0] for key, row in group("paper joint").items()}
-    beam, base = joint.beam, joint.base_motion
+    beam, base = joint.line.beams[0], joint.base_motion
     assert isinstance(base, BaseMotion)
     assert beam.material is not None
     E, L = table_6["youngs_modulus"].value, table_6["length"].value
@@ -249,7 +249,7 @@ def presets() -> Iterator[Check]:
     yield against("damping ratio", joint.damping.ratio, table_6["damping_ratio"])  # type: ignore[union-attr, arg-type]
     tip, middle = table_6["length"].value, table_6["contact_point"].value
     for stop, (name, x, sign) in zip(
-        joint.stops, (("P2", tip, -1), ("P3", middle, -1), ("P4", tip, 1), ("P5", middle, 1)), strict=True
+        joint.structure.stops, (("P2", tip, -1), ("P3", middle, -1), ("P4", tip, 1), ("P5", middle, 1)), strict=True
     ):
         yield against(f"gap of {name}", stop.gap, table_6["gap"])
         yield same(f"preset: place of {name}", stop.x, x, "m")
@@ -260,15 +260,15 @@ def presets() -> Iterator[Check]:
         stiffness = paper_joint(k_star=float(k_star)).stops[0].stiffness
         yield against(f"stiffness at k* = {k_star}", stiffness, given, exact=False)
     drop, of = sdnl104(), {key: row[0] for key, row in group("sdnl104 problem").items()}
-    assert drop.beam.material is not None
-    yield against("SDNL104: length", drop.beam.length, of["length"])
-    yield against("SDNL104: diameter", drop.beam.section.diameter, of["diameter"])  # type: ignore[union-attr]
-    yield against("SDNL104: Young's modulus", drop.beam.material.youngs_modulus, of["youngs_modulus"])
-    yield against("SDNL104: density", drop.beam.material.density, of["density"])
+    assert drop.line.beams[0].material is not None
+    yield against("SDNL104: length", drop.line.beams[0].length, of["length"])
+    yield against("SDNL104: diameter", drop.line.beams[0].section.diameter, of["diameter"])  # type: ignore[union-attr]
+    yield against("SDNL104: Young's modulus", drop.line.beams[0].material.youngs_modulus, of["youngs_modulus"])
+    yield against("SDNL104: density", drop.line.beams[0].material.density, of["density"])
     yield against("SDNL104: gap", drop.stops[0].gap, of["gap"])
     yield against("SDNL104: stiffness", drop.stops[0].stiffness, of["stiffness"])
     yield against("SDNL104: force", drop.point_loads[0].force, of["force"])  # type: ignore[union-attr, arg-type]
-    yield same("SDNL104: side", drop.stops[0].sign, -1, "1")
+    yield same("SDNL104: side", drop.structure.stops[0].sign, -1, "1")
 
 
 def written_down(problem: Problem) -> History:
@@ -377,7 +377,7 @@ def frequencies(problem: Problem) -> Iterator[Check]:
     root = roots(BEAMS["clamped-free"].equation, 1)[0]
     omega = (root / 2.5) ** 2 * math.sqrt(2.05e11 * 0.05**2 / 12 / 7890.0)
     summed = tuple(
-        itertools.accumulate([STEP] * round(joint.beam.length / STEP), initial=0.0)
+        itertools.accumulate([STEP] * round(joint.line.length / STEP), initial=0.0)
     )  # rounded beyond its end
     solvers = (
         (analytic.Solver(), 100 * ROUNDING),
@@ -411,9 +411,9 @@ def meshes() -> Iterator[Check]:
     """Number of elements in each stretch of a finer mesh, by which errors are estimated; a short stretch is
     unchanged."""
     joint = paper_joint()
-    near = joint.stops[1].model_copy(update={"name": "near", "x": joint.stops[1].x + SHORT_STRETCH})
+    near = joint.stops[1].model_copy(update={"name": "near", "x": joint.structure.stops[1].x + SHORT_STRETCH})
     problem = joint.replace(stops=(*joint.stops, near))
-    places = sorted({0.0, *(stop.x for stop in problem.stops)})
+    places = sorted({0.0, *(stop.x for stop in problem.structure.stops)})
     nodes = mesh_nodes(problem, 16, None)
     for ratio in (2.0, 1.5):
         finer = refined_nodes(problem, nodes, ratio)

@@ -65,7 +65,7 @@ def rigid() -> Iterator[Check]:
 def settled(label: str, problem: Problem) -> Iterator[Check]:
     """The cycles of a motion that settles against the rule, against its History, and against a march from rest."""
     assert problem.excitation_frequency is not None
-    period, stops = 2 * math.pi / problem.excitation_frequency, len(problem.stops)
+    period, stops = 2 * math.pi / problem.excitation_frequency, len(problem.structure.stops)
     joint = PublishedJoint(problem, SCHEME.free_modes, SCHEME.contact_modes)
     most = SCHEME.max_period_multiple
     how_long = Patience(SCHEME.tolerance, most, SCHEME.max_periods, SCHEME.patience, SCHEME.shortest)
@@ -76,7 +76,7 @@ def settled(label: str, problem: Problem) -> Iterator[Check]:
     yield same(f"{label}: period multiple", "1", found.period_multiple, multiple, 0.0, "the rule, applied again")
     steady = SCHEME.steady_state(problem)
     whole = SCHEME.simulate(problem, (cycles + found.period_multiple) * period)
-    z = np.array([stop.x for stop in problem.stops])
+    z = np.array([stop.x for stop in problem.structure.stops])
     t = period * np.linspace(0.0, found.period_multiple, 7)[1:-1]
     resumed, marched = steady.history.displacement(z, t), whole.displacement(z, cycles * period + t)
     apart, size = float(np.abs(resumed - marched).max()), float(np.abs(marched).max())
@@ -85,10 +85,12 @@ def settled(label: str, problem: Problem) -> Iterator[Check]:
         f"{label}: displacement from the section point on, less that of it", "m", apart, 0.0, ROUNDING * size, how
     )
     impulses = SCHEME.simulate(problem, cycles * period).impulses()
-    for k, stop in enumerate(problem.stops):
+    for k, stop in enumerate(problem.structure.stops):
         summed = stop.sign * stop.stiffness * float(found.rows[:, k].sum())
         u = ROUNDING * float(np.abs(impulses).max())
-        yield same(f"{label}: impulse of {stop.name} over all cycles", "N s", summed, float(impulses[k]), u, how)
+        yield same(
+            f"{label}: impulse of {problem.stop_names[k]} over all cycles", "N s", summed, float(impulses[k]), u, how
+        )
 
 
 def first_settled(rows: FloatArray, stops: int, most: int) -> tuple[int, int]:
@@ -118,7 +120,7 @@ def left_behind() -> Iterator[Check]:
     """Displacement and velocity lost at switches, against integrals along the beam of the motion before and after
     them."""
     problem = paper(FREQUENCIES[0])
-    history, beam = SCHEME.simulate(problem, 2 * math.pi / FREQUENCIES[0] * 3), problem.beam
+    history, beam = SCHEME.simulate(problem, 2 * math.pi / FREQUENCIES[0] * 3), problem.line
     measured = frozen_part(history)
     nodes, weights = np.polynomial.legendre.leggauss(16)
     ends = np.linspace(0.0, beam.length, 21)  # the stops are among them

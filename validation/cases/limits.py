@@ -131,7 +131,7 @@ def of_gravity() -> Iterator[Check]:
     """Gravity against uniform loads, and against step loads at points."""
     g, contents, added, carried = -9.4, 0.8, 0.6, Mass(x=0.9, mass=0.7)
     fluid = {"contents_per_length": contents, "added_mass_per_length": added}
-    wet = PLAIN.replace(beam=PLAIN.beam.model_copy(update=fluid), masses=(carried,))
+    wet = PLAIN.replace(beam=PLAIN.line.beams[0].model_copy(update=fluid), masses=(carried,))
     falls = wet.replace(gravity=Gravity(acceleration=g))
     weight = StepLoad(x=carried.x, force=g * carried.mass)
     loaded = wet.replace(

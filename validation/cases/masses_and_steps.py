@@ -36,15 +36,15 @@ def sdll15() -> Problem:
 
 def exact_of(problem: Problem) -> tuple[float, ...]:
     """The benchmark's frequencies by the characteristic equation of a cantilever with a mass at its tip, Hz."""
-    beam, mass = problem.beam, problem.masses[0].mass
+    beam, mass = problem.line, problem.structure.masses[0].mass
     unit = math.sqrt(beam.EI / (beam.m * beam.length**4)) / (2 * math.pi)
     return tuple(unit * b**2 for b in roots(tip_mass(mass / (beam.m * beam.length))))
 
 
 def by_rayleigh(problem: Problem) -> float:
     """The first frequency by the benchmark's approximate formula, Hz."""
-    beam = problem.beam
-    moved = problem.masses[0].mass + RAYLEIGH * beam.m * beam.length
+    beam = problem.line
+    moved = problem.structure.masses[0].mass + RAYLEIGH * beam.m * beam.length
     return math.sqrt(3 * beam.EI / (beam.length**3 * moved)) / (2 * math.pi)
 
 

@@ -32,7 +32,7 @@ def mac(a: FloatArray, b: FloatArray) -> FloatArray:
 def run(level: Level, say: Say) -> CaseResult:
     """Compare shapes at k* = 5000, where contact changes them most."""
     problem, elements = paper_joint(k_star=5000.0), 96 if level == "full" else 64
-    x = np.linspace(0.0, problem.beam.length, 501)
+    x = np.linspace(0.0, problem.line.length, 501)
     rows, criteria, first = [], [], None
     for state in contact_states(problem):
         label = paper_state_number(problem, state)
@@ -114,8 +114,8 @@ def shapes_drawing(problem: Problem, count: int = 3) -> Drawing:
 
 def upwards(problem: Problem, state: ContactState, label: int | None) -> Criterion:
     """Number of modes of the analytic solver with phi + d3 phi / beta^3 above 0 at the tip, as all should have."""
-    modes, tip = analytic.Solver().modes(problem, state, MODES), np.array([problem.beam.length])
-    beta = (modes.angular_frequencies**2 * problem.beam.m / problem.beam.EI) ** 0.25
+    modes, tip = analytic.Solver().modes(problem, state, MODES), np.array([problem.line.length])
+    beta = (modes.angular_frequencies**2 * problem.line.m / problem.line.EI) ** 0.25
     count = float(np.sum(modes.shapes(tip)[:, 0] + modes.shapes(tip, 3)[:, 0] / beta**3 > 0))
     return Criterion(f"state {label}: modes that point upwards", "1", count, MODES, MODES, "so that signs go on")
 
@@ -123,7 +123,7 @@ def upwards(problem: Problem, state: ContactState, label: int | None) -> Criteri
 def tip_ratios() -> list[Check]:
     """|Phi(L)| in state 2, divided by that of the free beam, in hard contact: the paper has 0.32 % and 1.67 %."""
     problem = paper_joint(k_star=5000.0)
-    tip = np.array([problem.beam.length])
+    tip = np.array([problem.line.length])
     checks = []
 
     def ratio(solver: analytic.Solver | fe_lapjoint.Solver, i: int) -> float:

@@ -159,14 +159,14 @@ def known(label: str, problem: Problem, solver: Solver) -> Known | None:
 
 def gap(history: History, stop: int, t: FloatArray) -> FloatArray:
     """The gap function of a stop, m, positive where it is closed; times from the start of the motion, s."""
-    where = history.problem.stops[stop]
+    where = history.problem.structure.stops[stop]
     at = np.clip(history.start + t, history.start, history.end)
     return np.asarray(where.sign * history.displacement(where.x, at)[0] - where.gap)
 
 
 def speed(history: History, stop: int, t: FloatArray) -> FloatArray:
     """Velocity at a stop, m/s."""
-    return np.asarray(history.velocity(history.problem.stops[stop].x, history.start + t)[0])
+    return np.asarray(history.velocity(history.problem.structure.stops[stop].x, history.start + t)[0])
 
 
 def nearest(history: History, stop: int, time: float) -> float:

@@ -71,7 +71,7 @@ def equilibrium(problem: Problem, level: Level, say: Say) -> CaseResult:
     """Where the joint rests under its static loads, while the base stands still."""
     say("static equilibrium")
     both = [solver.equilibrium(problem) for solver in (analytic.Solver(), fe_lapjoint.Solver())]
-    places = sorted({problem.beam.length, *(stop.x for stop in problem.stops)})
+    places = sorted({problem.line.length, *(stop.x for stop in problem.structure.stops)})
     numbers: list[tuple[str, str, list[tuple[float, float]]]] = []
     for k, name in enumerate(problem.stop_names):
         pushed = [(float(it.contact_forces[k]), float(it.errors.contact_forces[k])) for it in both]
@@ -79,8 +79,10 @@ def equilibrium(problem: Problem, level: Level, say: Say) -> CaseResult:
     for x in places:
         moved = [(float(it.displacement(np.array([x]))[0]), it.errors.displacement) for it in both]
         numbers.append((f"displacement at {x:g} m", "m", moved))
-    for x in sorted({support.x for support in problem.supports}):  # supports at one place share their force at will
-        here = [i for i, support in enumerate(problem.supports) if support.x == x]
+    for x in sorted(
+        {support.x for support in problem.structure.supports}
+    ):  # supports at one place share their force at will
+        here = [i for i, support in enumerate(problem.structure.supports) if support.x == x]
         held = [(float(it.support_forces[here].sum()), float(it.errors.support_forces[here].sum())) for it in both]
         numbers.append((f"force of the support at {x:g} m", "N", held))
     checks = []

@@ -137,7 +137,7 @@ def overridden() -> Iterator[Check | Criterion]:
 
 def along_the_beam(problem: Problem) -> Iterator[Check]:
     """Stiffness, inertia and stress of each segment, and where two meet."""
-    beam = problem.beam
+    beam = problem.line
     for i, (start, end, EI, mass, *_) in enumerate(PARTS):
         piece, name = beam.pieces[i], f"segment {i + 1}"
         for what, found, exact, unit in (

@@ -141,7 +141,7 @@ CANTILEVERS = {
 
 def answers(found: Equilibrium) -> tuple[tuple[float, float], ...]:
     """The numbers of QUANTITIES, with their stated errors."""
-    tip, errors = found.problem.beam.length, found.errors
+    tip, errors = found.problem.line.length, found.errors
     return (
         (float(found.contact_forces[0]), float(errors.contact_forces[0])),
         (float(found.displacement(tip)[0]), errors.displacement),

@@ -298,7 +298,7 @@ def answers(history: History, steady: SteadyState, it: Witnessed) -> list[float]
             found += [float(c.stop), c.start, c.end, c.impulse, c.peak_force]
         else:
             found += [math.nan] * 5
-    tip = history.problem.beam.length
+    tip = history.problem.line.length
     found += [*history.displacement(tip, TIMES)[0], *history.velocity(tip, TIMES)[0]]
     found += [float(steady.period_multiple), float(steady.symmetric), float(_closings(steady.history))]
     leading = steady.multipliers[0] if steady.multipliers.size else math.nan

@@ -32,7 +32,7 @@ def answers(history: History) -> tuple[float, ...]:
     first = history.contacts[0]
     points, weights = gauss_panels(np.linspace(0.0, 1.0, 33), 20)
     speed = history.velocity(points, AT)[:, 0]
-    return first.start, first.end, abs(first.impulse), float(history.problem.beam.m / 2 * (weights @ speed**2))
+    return first.start, first.end, abs(first.impulse), float(history.problem.line.m / 2 * (weights @ speed**2))
 
 
 def run(level: Level, say: Say) -> CaseResult:

@@ -38,7 +38,7 @@ def viscous() -> Problem:
     """The joint with the viscous damping of equation (1): C gives the damping ratio in the first free mode."""
     problem = paper_joint()
     omega = float(analytic.Solver().modes(problem, FREE, 1).angular_frequencies[0])
-    return problem.replace(damping=ViscousDamping(coefficient=2 * RATIO * omega * problem.beam.m))
+    return problem.replace(damping=ViscousDamping(coefficient=2 * RATIO * omega * problem.line.m))
 
 
 VARIANTS: dict[str, Callable[[], Problem]] = {

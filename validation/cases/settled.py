@@ -132,7 +132,7 @@ def end_of_march(solver: Solver, problem: Problem) -> End:
 
 def repeats(history: History, periods: int, period: float) -> int:
     """The period multiple of the last section points; 0 if they do not repeat within `LONGEST` periods."""
-    x = np.linspace(0.0, history.problem.beam.length, POINTS)
+    x = np.linspace(0.0, history.problem.line.length, POINTS)
     t = period * np.arange(periods - WATCHED, periods + 1, dtype=float)
     points = np.concatenate([history.displacement(x, t), history.velocity(x, t) * period / (2 * math.pi)])
     apart = [float(np.abs(points[:, n:] - points[:, :-n]).max()) for n in range(1, LONGEST + 1)]

@@ -152,7 +152,7 @@ class Plain:
     def forces(self) -> FloatArray:
         """Forces of the stops, N, shape ``(stops, m)``, by gaps and stiffnesses in the file."""
         found = []
-        for stop in self.motion.problem.stops:
+        for stop in self.motion.problem.structure.stops:
             z = (1 if stop.side == "top" else -1) * self.motion.displacement(stop.x, self.t)[0]
             found.append(stop.stiffness * np.maximum(z - stop.gap, 0.0))
         return np.array(found)
@@ -162,7 +162,7 @@ class Plain:
         """Contacts of the motion."""
         found = []
         for it in self.motion.contacts:
-            stop = self.motion.problem.stops[it.stop]
+            stop = self.motion.problem.structure.stops[it.stop]
             speed = (1 if stop.side == "top" else -1) * float(self.motion.velocity(stop.x, it.start)[0, 0])
             found.append(Touch(it.stop, it.start, it.end, it.impulse, it.peak_force, speed))
         return found
@@ -211,7 +211,7 @@ def of_stops(found: xr.Dataset, plain: list[Plain], edges: FloatArray) -> Iterat
     """Rates, fractions of time, impulses and forces of each stop, with intervals, and the rate of peak forces above
     each edge."""
     unit = edges[1] - edges[0]
-    for k, stop in enumerate(plain[0].motion.problem.stops):
+    for k, stop in enumerate(plain[0].motion.problem.structure.stops):
         where = f"of stop {k + 1}"
         mine = [[it for it in motion.touches if it.stop == k] for motion in plain]
         begun = [[it for it in touches if it.start >= edges[0]] for touches in mine]
@@ -310,7 +310,7 @@ def steady_with_contacts() -> Iterator[Check]:
     found, motion = summarise(steady).values, steady.history
     period = motion.end - motion.start
     t = motion.start + (np.arange(MIDPOINTS) + 0.5) * period / MIDPOINTS
-    for k, stop in enumerate(joint.stops):
+    for k, stop in enumerate(joint.structure.stops):
         depth = np.maximum(stop.sign * motion.displacement(stop.x, t)[0] - stop.gap, 0.0)
         begun = [c for c in motion.contacts if c.stop == k and not c.open_start]
         plain = {
@@ -357,7 +357,7 @@ def series() -> Iterator[Check | Criterion]:
 
 def forces(plain: Plain) -> Iterator[Check]:
     """The forces of a series, at the hardest contact of each stop, against the stop's force law."""
-    stops = plain.motion.problem.stops
+    stops = plain.motion.problem.structure.stops
     found = time_series(plain.motion, quantities=["force"], rate=DENSE)["force"].values
     first = round(plain.t[0] * DENSE)
     for k, stop in enumerate(stops):

@@ -60,8 +60,8 @@ def contact_table(checks: list[Check]) -> Table:
 def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
     """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic
     solver."""
-    stops = exact.problem.stops
-    x = max(stop.x for stop in stops) if stops else exact.problem.beam.length
+    stops = exact.problem.structure.stops
+    x = max(stop.x for stop in stops) if stops else exact.problem.line.length
     t = np.linspace(exact.start, min(exact.end, fe.end), 900)
 
     def paint(axes: Axes) -> None:

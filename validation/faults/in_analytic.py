@@ -98,8 +98,8 @@ ANALYTIC = (
         "a factor",
         "analytic:damping_rates",
         "Viscous damping is a thousandth too strong.",
-        old="damping.coefficient / (2 * problem.beam.m)",
-        new="1.001 * damping.coefficient / (2 * problem.beam.m)",
+        old="damping.coefficient / (2 * problem.line.m)",
+        new="1.001 * damping.coefficient / (2 * problem.line.m)",
     ),
     Fault(
         "analytic-overdamped",
@@ -131,7 +131,7 @@ ANALYTIC = (
         "analytic:_loaded_structure",
         "Contact states are kept for all problems that differ in their damping, too.",
         old="return LoadedStructure(still, positions)",
-        new="key = structure.beam, structure.supports, structure.stops, steps, positions\n"
+        new="key = structure.line, structure.supports, structure.stops, steps, positions\n"
         "return globals().setdefault('_KEPT', {}).setdefault(key, LoadedStructure(still, positions))",
     ),
     Fault(

@@ -123,8 +123,8 @@ PARTS = (
         "an input ignored",
         "analytic:layout_of",
         "Of two closed stops at one place, the last one acts alone.",
-        old="translational[at(problem.stops[i].x)] += problem.stops[i].stiffness",
-        new="translational[at(problem.stops[i].x)] = problem.stops[i].stiffness",
+        old="translational[at(problem.structure.stops[i].x)] += problem.stops[i].stiffness",
+        new="translational[at(problem.structure.stops[i].x)] = problem.stops[i].stiffness",
     ),
     Fault(
         "analytic-interference-as-gap",

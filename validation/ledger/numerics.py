@@ -37,7 +37,7 @@ def fastest_impact(solver: Solver) -> float:
     problem = paper_joint()
     history = solver.simulate(problem, 0.05, errors=False)
     impacts = [contact for contact in history.contacts if not contact.open_start]
-    return max(abs(float(history.velocity(problem.stops[c.stop].x, c.start)[0, 0])) for c in impacts)
+    return max(abs(float(history.velocity(problem.structure.stops[c.stop].x, c.start)[0, 0])) for c in impacts)
 
 
 def event_interval() -> Entry:

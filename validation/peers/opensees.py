@@ -89,13 +89,13 @@ class Solver:
         `lapjoint.solver.Solver.modes`."""
         check_beam(problem)
         free = 2 * mesh(problem, self.elements).size
-        free -= sum(math.isinf(k) for s in problem.supports for k in (s.translational, s.torsional))
+        free -= sum(math.isinf(k) for s in problem.structure.supports for k in (s.translational, s.torsional))
         if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= free:
             raise InputError(f"count = {count!r}: must be an integer from 1 to {free}, the degrees of freedom")
         nodes, omega, vectors = ask("eigen", problem, self.elements, state, count)
         raw = ElementShapes(nodes, np.moveaxis(vectors, 0, -1))
         points, weights = _gauss(nodes)
-        sizes = np.sqrt(problem.beam.m * (raw(points) ** 2 @ weights))
+        sizes = np.sqrt(problem.line.m * (raw(points) ** 2 @ weights))
         return Modes(state, omega, ElementShapes(nodes, raw.vectors / sizes))
 
     def simulate(
@@ -156,9 +156,9 @@ class Solver:
 
 def check_beam(problem: Problem) -> None:
     """Refuse a beam whose modes OpenSees is not asked for: with masses, or with steps."""
-    if problem.masses:
+    if problem.structure.masses:
         raise InputError("masses: the OpenSees solver knows beams without masses only")
-    if len({(piece.EI, piece.inertia) for piece in problem.beam.pieces}) > 1:
+    if len({(piece.EI, piece.inertia) for piece in problem.line.pieces}) > 1:
         raise InputError("beam.segments: the OpenSees solver knows beams of one stiffness and mass only")
 
 
@@ -177,7 +177,7 @@ def check_problem(problem: Problem) -> None:
     for what, parts in (("a record", problem.records), ("random", problem.random)):
         if parts:
             raise InputError(f"{next(iter(parts))}: is {what}; the OpenSees solver knows sums of sines only")
-    for i, stop in enumerate(problem.stops):
+    for i, stop in enumerate(problem.structure.stops):
         if stop.in_space:
             raise InputError(
                 f'stops[{i}].fixed_to = "space": the OpenSees solver knows stops that move with the base only'
@@ -195,7 +195,7 @@ def check_problem(problem: Problem) -> None:
 
 def _mirrored(history: History, repeats: float) -> bool:
     """Whether half of the motion mirrors the other half, to ten times the tolerance of repetition."""
-    x, half = np.linspace(0.0, history.problem.beam.length, 9), (history.end - history.start) / 2
+    x, half = np.linspace(0.0, history.problem.line.length, 9), (history.end - history.start) / 2
     t = np.linspace(history.start, history.start + half, 50)
     one, other = history.displacement(x, t), history.displacement(x, np.minimum(t + half, history.end))
     return bool(np.abs(one + other).max() <= 10 * repeats * np.abs(one).max())

@@ -40,7 +40,7 @@ class RecordedField:
 
 def contacts_of(problem: Problem, stop: int, record: Record) -> list[Contact]:
     """The contacts of one stop."""
-    this, start, end = problem.stops[stop], record.times[0], record.times[-1]
+    this, start, end = problem.structure.stops[stop], record.times[0], record.times[-1]
     node = int(np.argmin(np.abs(record.nodes - this.x)))
     beyond = CubicHermiteSpline(
         record.times, this.sign * record.values[:, node, 0] - this.gap, this.sign * record.rates[:, node, 0]

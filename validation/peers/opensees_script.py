@@ -39,8 +39,8 @@ class Record:
 
 def mesh(problem: Problem, elements: int) -> FloatArray:
     """Nodes of about `elements` equal elements, one at every support and stop: shape (n,), in m, ascending."""
-    L = problem.beam.length
-    fixed = sorted({0.0, L, *(s.x for s in problem.supports), *(s.x for s in problem.stops)})
+    L = problem.line.length
+    fixed = sorted({0.0, L, *(s.x for s in problem.structure.supports), *(s.x for s in problem.structure.stops)})
     cuts = [np.linspace(a, b, max(1, round(elements * (b - a) / L)) + 1)[:-1] for a, b in itertools.pairwise(fixed)]
     return np.concatenate([*cuts, [L]])
 
@@ -61,11 +61,11 @@ class Model:
         self.ops, self.problem, self.nodes = load_opensees(), problem, mesh(problem, elements)
         self.springs = 0
         self._beam()
-        for support in problem.supports:
+        for support in problem.structure.supports:
             self._support(support)
 
     def _beam(self) -> None:
-        ops, beam = self.ops, self.problem.beam
+        ops, beam = self.ops, self.problem.line
         ops.wipe()
         ops.model("basic", "-ndm", 2, "-ndf", 3)
         for i, x in enumerate(self.nodes.tolist()):
@@ -74,7 +74,7 @@ class Model:
         for e in range(self.nodes.size - 1):
             ops.element("elasticBeamColumn", e, e, e + 1, 1.0, beam.EI, 1.0, 1, "-mass", beam.m, "-cMass")
         rigid: dict[int, set[int]] = {}
-        for support in self.problem.supports:
+        for support in self.problem.structure.supports:
             fixed = rigid.setdefault(self.node_at(support.x), set())
             fixed |= {d for d, k in ((_Z, support.translational), (_ROTATION, support.torsional)) if math.isinf(k)}
         for i in range(self.nodes.size):
@@ -101,11 +101,11 @@ class Model:
     def close(self, state: ContactState) -> None:
         """Tie the beam to the springs of the closed stops."""
         for k in state.closed:
-            self._spring(self.problem.stops[k].x, _Z, "Elastic", self.problem.stops[k].stiffness)
+            self._spring(self.problem.structure.stops[k].x, _Z, "Elastic", self.problem.structure.stops[k].stiffness)
 
     def add_stops(self) -> None:
         """Add every stop with its gap."""
-        for stop in self.problem.stops:
+        for stop in self.problem.structure.stops:
             force = stop.sign * stop.stiffness * (FAR - stop.gap)
             law = sorted([(-stop.sign * FAR, 0.0), (stop.sign * stop.gap, 0.0), (stop.sign * FAR, force)])
             strain, stress = zip(*law, strict=True)
@@ -113,7 +113,7 @@ class Model:
 
     def shake(self) -> None:
         """Load the beam by the inertia of the base motion, and set the damping and the time stepping."""
-        ops, problem, beam = self.ops, self.problem, self.problem.beam
+        ops, problem, beam = self.ops, self.problem, self.problem.line
         if isinstance(problem.damping, ViscousDamping):
             ops.rayleigh(problem.damping.coefficient / beam.m, 0.0, 0.0, 0.0)
         for tag, force in enumerate(problem.forces.harmonic, start=1):
@@ -219,10 +219,10 @@ def _distance(problem: Problem, one: Record, other: Record) -> float:
 
 
 def _impulses(problem: Problem, record: Record) -> FloatArray:
-    at = [int(np.argmin(np.abs(record.nodes - stop.x))) for stop in problem.stops]
+    at = [int(np.argmin(np.abs(record.nodes - stop.x))) for stop in problem.structure.stops]
     beyond = [
         stop.stiffness * np.maximum(stop.sign * record.values[:, i, 0] - stop.gap, 0.0)
-        for stop, i in zip(problem.stops, at, strict=True)
+        for stop, i in zip(problem.structure.stops, at, strict=True)
     ]
     return np.array([np.trapezoid(force, record.times) for force in beyond])
 

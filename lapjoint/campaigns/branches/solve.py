@@ -97,7 +97,7 @@ def _point(point: CurvePoint) -> Point:
     try:
         return point_of(steady_state(point))
     except SolverError as error:  # the march stops where the arcs go on
-        unknown = (math.nan,) * len(point.problem.arcs(point.u).problem.stops)
+        unknown = (math.nan,) * len(point.problem.arcs(point.u).problem.structure.stops)
         return Point(period_multiple=_multiple(point), impulses=unknown, message=str(error))
 
 

@@ -54,7 +54,7 @@ class Plan(Spec):
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", check_names(self.summary))
         if any(name.startswith("stress_") for name in self.summary):
-            self.grid.problem.beam.require_sections("summary of the stress")
+            self.grid.problem.line.require_sections("summary of the stress")
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)

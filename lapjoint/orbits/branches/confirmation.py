@@ -70,7 +70,7 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     there."""
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
-    history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.beam.length
+    history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.line.length
     x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # dense at the ends, for the slopes there
     x[0], x[-1] = 0.0, length
     z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))

@@ -165,7 +165,10 @@ class CurvePoint:
         for a closed stop, and of minus the gap function for an open stop, in the contact state of the arc.
         """
         arcs = self.problem.arcs(self.u)
-        motion, stops = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations), arcs.problem.stops
+        motion, stops = (
+            arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations),
+            arcs.problem.structure.stops,
+        )
         place, rates = stops_of(stops).place[stop], motion.rates[arc]
         waves, (_, one, two) = motion.weights[arc, place] * motion.amplitudes[arc], motion.polynomial[arc, place]
         rate, second = (float((waves * power).real.sum()) for power in (rates, rates**2))
