@@ -170,12 +170,19 @@ def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     x, weights = over_beam(problem, modes)
     springs = [(it.x, 0, it.translational) for it in problem.structure.supports]
     springs += [(it.x, 1, it.torsional) for it in problem.structure.supports]
-    springs += [(problem.structure.stops[k].x, 0, problem.structure.stops[k].stiffness) for k in state.closed]
+    pairs = [(((it.first, -1.0), (it.second, 1.0)), 0, it.translational) for it in problem.structure.links]
+    pairs += [(((it.first, -1.0), (it.second, 1.0)), 1, it.torsional) for it in problem.structure.links]
+    pairs += [(stop.reading, 0, stop.stiffness) for stop in (problem.structure.stops[k] for k in state.closed)]
     parts = [(problem.line.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
     for place, derivative, stiffness in springs:
         if 0 < stiffness < math.inf:
             at = np.array([place])
             parts.append((stiffness * modes.shapes(at, derivative), shape(at, derivative)))
+    for reading, derivative, stiffness in pairs:
+        if 0 < stiffness < math.inf:
+            at, factors = np.array([x for x, _ in reading]), np.array([factor for _, factor in reading])
+            moved = modes.shapes(at, derivative) @ factors
+            parts.append((stiffness * moved[:, None], np.array([shape(at, derivative) @ factors])))
     return _summed(parts)
 
 

@@ -36,6 +36,8 @@ BoolArray = npt.NDArray[np.bool_]
 NEAR = 0.02
 """Relative difference of two EI a / m below which functions are multiplied term by term: boundary terms would lose two
 digits there."""
+_ROUNDING = 8 * float(np.finfo(float).eps)
+"""Distance from the end of a beam, divided by the length of the line, that is rounding."""
 TERMS = 16
 """Coefficients of a polynomial: four terms of the series of each of the four solutions of f'''' = a f."""
 
@@ -96,10 +98,13 @@ class BeamFunctions:
     at_masses: FloatArray
     """Deflection, and slope, per m, at each position of a lumped mass, shape ``(n, 2, K)``.  A fast mode hardly moves a
     heavy mass: its deflection there has fewer digits in the sum of the waves than here."""
+    spaces: tuple[int, ...] = ()
+    """The spans that are spaces between two beams, on which the functions are zero."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
-        """Values or a derivative at ``x``, m, shape ``(k,)``: ``(n, k)``; at a node those of the span to the left."""
-        span = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
+        """Values or a derivative at ``x``, m, shape ``(k,)``: ``(n, k)``; at a node those of the span to the left, or
+        of the beam beside a space."""
+        span = self._spans_at(x)
         anchor = np.where(self.right, self.nodes[span + 1][:, None], self.nodes[span][:, None])  # (k, J)
         mu = self.mu[:, span, :]
         waves = self.c[:, span, :] * np.exp(mu * (x[:, None] - anchor)[None])
@@ -107,6 +112,16 @@ class BeamFunctions:
         if self._bent.size:
             values[self._bent] += _horner(self.p[self._bent][:, span], *self._local(x, span), derivative)
         return values
+
+    def _spans_at(self, x: FloatArray) -> IntArray:
+        """The span of each position, m, ``(k,)``; at a node that to the left, or that of the beam beside a space."""
+        found = np.asarray(np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2))
+        for space in self.spaces:
+            start, end = self.nodes[space : space + 2]
+            here, rounding = found == space, _ROUNDING * self.nodes[-1]
+            found = np.where(here & (x >= end - rounding), space + 1, found)
+            found = np.where(here & (x <= start + rounding), space - 1, found)
+        return found
 
     def _local(self, x: FloatArray, span: IntArray) -> tuple[FloatArray, float]:
         """(x - x_0) / L of positions, m, in spans, ``(k,)`` each, and L, m."""
@@ -135,7 +150,7 @@ class BeamFunctions:
     def scaled(self, factors: FloatArray) -> BeamFunctions:
         """Each function times its factor, shape ``(n,)``."""
         f = factors[:, None, None]
-        return BeamFunctions(self.nodes, self.mu, self.right, self.c * f, self.p * f, self.at_masses * f)
+        return BeamFunctions(self.nodes, self.mu, self.right, self.c * f, self.p * f, self.at_masses * f, self.spaces)
 
     def head(self, count: int) -> BeamFunctions:
         """The first `count` functions of the family."""
@@ -144,7 +159,7 @@ class BeamFunctions:
     def chosen(self, which: IntArray | slice) -> BeamFunctions:
         """The functions with the indices `which`, shape ``(m,)``, or in a slice."""
         c, p, at_masses = self.c[which], self.p[which], self.at_masses[which]
-        return BeamFunctions(self.nodes, self.mu[which], self.right, c, p, at_masses)
+        return BeamFunctions(self.nodes, self.mu[which], self.right, c, p, at_masses, self.spaces)
 
     def on(self, nodes: FloatArray) -> BeamFunctions:
         """The functions on shorter spans, whose ends, m, shape ``(T + 1,)``, include the present ones."""
@@ -161,12 +176,13 @@ class BeamFunctions:
         if self._bent.size:
             offset, _ = self._local(nodes[:-1], span)
             p[self._bent] = np.einsum("nsk,sjk->nsj", p[self._bent], _shifts(offset))
-        return BeamFunctions(nodes, mu, self.right, self.c[:, span] * moved, p, self.at_masses)
+        spaces = tuple(np.flatnonzero(np.isin(span, self.spaces)).tolist()) if self.spaces else ()
+        return BeamFunctions(nodes, mu, self.right, self.c[:, span] * moved, p, self.at_masses, spaces)
 
     def mixed(self, matrix: FloatArray) -> BeamFunctions:
         """Combinations ``matrix @ functions`` of functions with equal exponents; `matrix` is ``(n, n)``."""
         c, p, at_masses = (np.einsum("ij,jst->ist", matrix, part) for part in (self.c, self.p, self.at_masses))
-        return BeamFunctions(self.nodes, self.mu, self.right, c, p, at_masses)
+        return BeamFunctions(self.nodes, self.mu, self.right, c, p, at_masses, self.spaces)
 
 
 def _horner(p: FloatArray, local: FloatArray, length: float, derivative: int) -> FloatArray:

@@ -51,12 +51,15 @@ class Solutions:
     size: FloatArray
     """Factors of the four series, shape ``(n, S, 4)``."""
 
-    def functions(self, layout: Layout, amplitudes: FloatArray, length: float, free: bool) -> BeamFunctions:
+    def functions(
+        self, layout: Layout, amplitudes: FloatArray, length: float, free: bool, forces: FloatArray | None = None
+    ) -> BeamFunctions:
         """The functions of x that the amplitudes of the solutions, shape ``(n, S, 4)``, make; of one set of solutions,
         any number of functions.
 
-        `length` is that of the beam, m.  `free` says that no forces act beside those of springs and masses.  The
-        functions have the unit of the amplitudes.
+        `length` is that of the beam, m.  `free` says that no forces act beside those of springs and masses, and
+        `forces`, the forces and moments of couplings, ``(n, 2, nodes)``.  The functions have the unit of the
+        amplitudes.
         """
         c = np.einsum("nsw,wj->nsj", np.where(self.short[:, :, None], 0.0, amplitudes), self.selection)
         p = np.zeros((*amplitudes.shape[:2], TERMS))
@@ -66,10 +69,10 @@ class Solutions:
                 k, times = power % 4, power // 4
                 p[:, :, power] = sized[:, :, k] * a**times / math.factorial(power)
         mu = np.broadcast_to(self.mu / length, (amplitudes.shape[0], *self.mu.shape[1:]))
-        at_masses = self._at_masses(layout, amplitudes, free) / np.array([1.0, length])[:, None]
-        return BeamFunctions(layout.x * length, mu, self.right, c, p, at_masses)
+        at_masses = self._at_masses(layout, amplitudes, free, forces) / np.array([1.0, length])[:, None]
+        return BeamFunctions(layout.x * length, mu, self.right, c, p, at_masses, spaces_of(layout))
 
-    def _at_masses(self, layout: Layout, amplitudes: FloatArray, free: bool) -> FloatArray:
+    def _at_masses(self, layout: Layout, amplitudes: FloatArray, free: bool, forces: FloatArray | None) -> FloatArray:
         """Deflection, and slope times L, at each node with a mass, shape ``(n, 2, K)``.
 
         Where the dynamic stiffness of a node outweighs the beam's, the jump of the shear, or of the moment, gives them
@@ -79,21 +82,22 @@ class Solutions:
         found = np.zeros((amplitudes.shape[0], 2, places.size))
         for i, node in enumerate(places.tolist()):
             beside = self.beside(layout, node)
-            largest, jump, value = _largest(*beside), np.zeros((1, 4)), np.zeros((1, 4))
+            largest, jump, value = largest_of(*beside), np.zeros((1, 4)), np.zeros((1, 4))
             for side, span, sign in zip(beside, (node - 1, node), (-1.0, 1.0), strict=True):
                 if side is not None:
                     value = (side * amplitudes[:, span, None, :]).sum(axis=2)
                     jump = jump + sign * value
             for d, stiffness, sign in zip((0, 1), layout.springs(node, self.fourth), (-1.0, 1.0), strict=True):
                 stiff = free & (np.abs(stiffness) * largest[:, d] > largest[:, 3 - d])
-                found[:, d, i] = np.where(stiff, sign * jump[:, 3 - d] / np.where(stiff, stiffness, 1.0), value[:, d])
+                balance = sign * jump[:, 3 - d] if forces is None else sign * jump[:, 3 - d] + forces[:, d, node]
+                found[:, d, i] = np.where(stiff, balance / np.where(stiff, stiffness, 1.0), value[:, d])
         return found
 
     def beside(self, layout: Layout, node: int) -> tuple[FloatArray | None, FloatArray | None]:
         """`at_ends` left and right of a node; None where there is no span."""
         return (
-            self.at_ends(layout, node - 1, True) if node > 0 else None,
-            self.at_ends(layout, node, False) if node < layout.spans.size else None,
+            self.at_ends(layout, node - 1, True) if layout.has_span(node - 1) else None,
+            self.at_ends(layout, node, False) if layout.has_span(node) else None,
         )
 
     def at_ends(self, layout: Layout, span: int, at_right: bool) -> FloatArray:
@@ -112,6 +116,11 @@ class Solutions:
             values[short] = _series(_fourth_powers(mu[short]), length if at_right else 0.0)
             values[short] *= self.size[short, span, None, :]
         return np.asarray(values * np.where(np.arange(4) > 1, layout.stiffness[span], 1.0)[:, None])
+
+
+def spaces_of(layout: Layout) -> tuple[int, ...]:
+    """The spans that are spaces between two beams."""
+    return tuple(np.flatnonzero(layout.stiffness == 0).tolist())
 
 
 def _fourth_powers(mu: ComplexArray) -> FloatArray:
@@ -142,7 +151,7 @@ def _solutions(layout: Layout, fourth: FloatArray, mu: ComplexArray, right: list
     size = np.ones((fourth.size, layout.spans.size, 4))
     size[:, :, 1] = slope[:, None]
     for k in (2, 3):
-        size[:, :, k] = (bending * slope**k)[:, None] / layout.stiffness
+        size[:, :, k] = (bending * slope**k)[:, None] / np.where(layout.stiffness > 0, layout.stiffness, 1.0)
     return Solutions(fourth, own, np.array(right), np.array(selection, dtype=complex), short, size)
 
 
@@ -160,15 +169,16 @@ def foundation_solutions(layout: Layout, z: float) -> Solutions:
 
 def boundary_band(layout: Layout, solutions: Solutions) -> tuple[FloatArray, FloatArray]:
     """The matrix [g] of (15) for ``n`` functions, by its diagonals, shape ``(n, 2 BAND + 1, 4 S)``, without unit, and
-    the factors of three rows at each node, ``(n, 3, nodes)``: of the jump of the deflection, of the force, and, where a
-    support is fixed, of its deflection.
+    the factors of rows at each node, ``(n, 4, nodes)``: of the jump of the deflection, of the force, of the deflection
+    where a support is fixed, and of the moment.
 
     Element (i, j) of the matrix stands in row BAND + i - j and column j.  There are two rows for each end and four for
     each inner node.  At each node the last two rows are the moment and the force balance, each divided by 1 plus the
-    scaled stiffness; inner nodes have the continuity of deflection and slope before them.
+    scaled stiffness; inner nodes have the continuity of deflection and slope before them.  On a space between two
+    beams the four amplitudes are 0, by four rows of their own.
     """
     spans, n = layout.spans.size, solutions.fourth.size
-    band, factors = np.zeros((n, 2 * BAND + 1, 4 * spans)), np.ones((n, 3, spans + 1))
+    band, factors = np.zeros((n, 2 * BAND + 1, 4 * spans)), np.ones((n, 4, spans + 1))
 
     def add(row: int, span: int, values: FloatArray) -> None:
         columns = 4 * span + np.arange(4)
@@ -177,7 +187,7 @@ def boundary_band(layout: Layout, solutions: Solutions) -> tuple[FloatArray, Flo
     row = 0
     for node in range(spans + 1):
         left, right = solutions.beside(layout, node)
-        largest = _largest(left, right)
+        largest = largest_of(left, right)
         if left is not None and right is not None:
             for d in (0, 1):
                 factor = 1 / largest[:, d, None]
@@ -197,11 +207,15 @@ def boundary_band(layout: Layout, solutions: Solutions) -> tuple[FloatArray, Flo
                 add(row, node - 1, -jump[:, None] * left[:, 3 - d])
             add(row, node if right is not None else node - 1, (sign * hold)[:, None] * values[:, d])
             row += 1
-        factors[:, 1, node], factors[:, 2, node] = jump, 1 / largest[:, 0]
+            factors[:, 1 if d == 0 else 3, node] = jump
+        factors[:, 2, node] = 1 / largest[:, 0]
+        if node < spans and right is None:
+            band[:, BAND, 4 * node : 4 * node + 4] = 1.0
+            row += 4
     return band, factors
 
 
-def _largest(left: FloatArray | None, right: FloatArray | None) -> FloatArray:
+def largest_of(left: FloatArray | None, right: FloatArray | None) -> FloatArray:
     """Largest modulus of each quantity of the solutions left and right of a node, ``(n, 4)``."""
     return np.asarray(np.max([np.abs(side).max(axis=2) for side in (left, right) if side is not None], axis=0))
 
@@ -229,8 +243,7 @@ def _balance_factors(stiffness: Spring, jump: FloatArray, move: FloatArray) -> t
 
 def force_row(layout: Layout, node: int) -> int:
     """Row of the force balance of a node in `boundary_band`."""
-    last = 1 + 4 * node
-    return last if node < layout.spans.size else 4 * layout.spans.size - 1
+    return 1 + 4 * node if layout.has_span(node) else 4 * node - 1
 
 
 def continuity_row(node: int) -> int:

@@ -45,7 +45,9 @@ Lengths are divided by L here, so that z = beta L is the unknown.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +67,20 @@ _SERIES_BELOW = 1.0  # z length below which two differences that cancel are summ
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """A spring between two nodes of different beams, made dimensionless as those of a node are."""
+
+    first: int
+    """Node of one beam."""
+    second: int
+    """Node of another beam."""
+    derivative: int
+    """0 of a spring between the displacements, 1 of one between the slopes."""
+    stiffness: float
+    """k L^3 / EI, or kt L / EI, above 0, possibly infinite."""
+
+
+@dataclass(frozen=True)
 class Layout:
     """Nodes of the beam with what acts at them, and the spans between them, made dimensionless with L, EI and m."""
 
@@ -81,7 +97,25 @@ class Layout:
     stiffness: FloatArray
     """EI of each span divided by EI, shape ``(nodes - 1,)``."""
     wave: FloatArray
-    """Wave number b of each span divided by beta, shape ``(nodes - 1,)``; see the module's head."""
+    """Wave number b of each span divided by beta, shape ``(nodes - 1,)``; see the module's head.  A space between two
+    beams is a span whose stiffness and wave number are 0."""
+    couplings: tuple[Coupling, ...] = ()
+    """Springs between two nodes of different beams, none of them redundant."""
+
+    @cached_property
+    def beams(self) -> tuple[tuple[int, int], ...]:
+        """First and last node of each beam, from left to right."""
+        spaces = np.flatnonzero(self.stiffness == 0).tolist()
+        return tuple(zip([0, *(s + 1 for s in spaces)], [*spaces, self.x.size - 1], strict=True))
+
+    @property
+    def several(self) -> bool:
+        """Whether there are several beams."""
+        return len(self.beams) > 1
+
+    def has_span(self, span: int) -> bool:
+        """Whether a span, -1 ... ``nodes - 1``, is part of a beam: not beyond an end, and no space."""
+        return 0 <= span < self.stiffness.size and self.stiffness[span] != 0
 
     @property
     def spans(self) -> FloatArray:
@@ -155,6 +189,15 @@ def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
         rotary[node] += lumped.rotary_inertia
     L, middle = beam.length, (x[:-1] + x[1:]) / 2
     stiffness, span_mass = beam.EI_at(middle) / beam.EI, beam.inertia_at(middle) / beam.m
+    springs = [
+        Coupling(at(link.first), at(link.second), d, k)
+        for link in problem.structure.links
+        for d, k in ((0, link.translational * (L**3 / beam.EI)), (1, link.torsional * (L / beam.EI)))
+    ]
+    for stop in (problem.structure.stops[i] for i in closed):
+        if len(stop.reading) == 2:
+            (second, _), (first, _) = stop.reading
+            springs.append(Coupling(at(first), at(second), 0, stop.stiffness * (L**3 / beam.EI)))
     return Layout(
         x=x / L,
         translational=translational * (L**3 / beam.EI),
@@ -162,8 +205,30 @@ def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
         mass=mass / (beam.m * L),
         rotary=rotary / (beam.m * L) / L**2,
         stiffness=stiffness,
-        wave=(span_mass / stiffness) ** 0.25,
+        wave=(span_mass / np.where(stiffness > 0, stiffness, 1.0)) ** 0.25,
+        couplings=_independent(springs, translational, torsional),
     )
+
+
+def _independent(springs: Iterable[Coupling], *supports: FloatArray) -> tuple[Coupling, ...]:
+    """Springs without those of no stiffness, those side by side as one, and no infinite spring where two nodes are held
+    together already, by fixed supports or by other infinite springs; `supports` are the translational and the torsional
+    stiffnesses at each node, ``(nodes,)``."""
+    found: dict[tuple[int, int, int], float] = {}
+    for it in springs:
+        key = (min(it.first, it.second), max(it.first, it.second), it.derivative)
+        found[key] = found.get(key, 0.0) + it.stiffness
+    # What moves as one has one number; fixed supports hold all their nodes to the base.
+    body = [np.where(np.isinf(support), -1, np.arange(support.size)) for support in supports]
+    kept = []
+    for (first, second, derivative), stiffness in found.items():
+        own = body[derivative]
+        if stiffness > 0 and own[first] != own[second]:
+            kept.append(Coupling(first, second, derivative, stiffness))
+            if math.isinf(stiffness):
+                low, high = sorted((int(own[first]), int(own[second])))
+                own[own == high] = low
+    return tuple(kept)
 
 
 def characteristic(layout: Layout, z: FloatArray) -> FloatArray:

@@ -17,6 +17,9 @@ A mass M at the tip makes EI phi''' = (k - omega^2 M) phi.  Where that is negati
 the two parts have one sign again, and the rule is continuous for every mass.  The limits of an infinite spring and of
 an infinite mass, whose shapes are the same, then differ in sign.
 
+Of several beams, the last one decides whose sum phi + phi''' / beta^3 at the tip, with its own beta, is at least a
+thousandth of the largest among the beams; a rigid-body mode has phi alone.
+
 No rule is continuous everywhere.  A beam on two pins with a spring k amid has its first two frequencies equal at
 k = 4 (2 pi)^3 coth(pi) EI / L^3.  On a closed path around that point, by way of k and the spring's place, the
 frequencies stay apart, so each shape can be followed from start to end: it comes back with the other sign, as real
@@ -35,7 +38,8 @@ from scipy.linalg import eigh, solve_banded
 
 from analytic.modes.beam_functions import TERMS, BeamFunctions, Inertia, gram, inertia_of, squares
 from analytic.modes.boundary_conditions import BAND, boundary_band, mode_solutions, whole
-from analytic.modes.characteristic_equation import Layout, frequencies, layout_of
+from analytic.modes.characteristic_equation import Coupling, Layout, frequencies, layout_of
+from analytic.modes.coupled_beams import CoupledBeams
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Line, Problem
@@ -45,6 +49,8 @@ _POOL = 40  # least number of modes computed at once
 FEW_SPANS = 6  # most spans for which all modes are solved at once, by dense matrices; beyond, one by one, by bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
+_TAKES_PART = 1e-3  # least part of a beam in a mode, as a fraction of the largest, with which it decides the sign
+_BESIDE = 1e-12  # distance of a mass beyond a beam's end, as a fraction of the line, that is rounding
 _LEFT = 1e-8  # largest residual of a condition at a support, for unit amplitudes: half of the digits
 _APART = 1e-3  # least eigenvalue allowed of the inner products of unit shapes, 1 if orthogonal, 0 if one is lost
 _CLUSTER = 1e-3
@@ -73,8 +79,9 @@ def exact_modes(problem: Problem, state: ContactState, count: int) -> NormalMode
     every point.
     """
     layout = layout_of(problem, state.closed)
-    parts = tuple(tuple(getattr(layout, field.name).tolist()) for field in fields(layout))
-    return _exact_modes(problem.line, problem.structure.masses, parts, pool_size(count)).head(count)
+    *arrays, _ = fields(layout)
+    parts = tuple(tuple(getattr(layout, field.name).tolist()) for field in arrays)
+    return _exact_modes(problem.line, problem.structure.masses, parts, layout.couplings, pool_size(count)).head(count)
 
 
 def pool_size(count: int) -> int:
@@ -86,12 +93,25 @@ def pool_size(count: int) -> int:
 
 
 @lru_cache(maxsize=64)
-def _exact_modes(beam: Line, masses: tuple[Mass, ...], parts: tuple[tuple[float, ...], ...], count: int) -> NormalModes:
-    """The modes of a beam with masses; `parts` are those of its layout."""
-    L, layout, inertia = beam.length, Layout(*map(np.array, parts)), inertia_of(beam, masses)
-    z = frequencies(layout, count)
+def _exact_modes(
+    beam: Line,
+    masses: tuple[Mass, ...],
+    parts: tuple[tuple[float, ...], ...],
+    couplings: tuple[Coupling, ...],
+    count: int,
+) -> NormalModes:
+    """The modes of beams with masses; `parts` are the arrays of their layout, and `couplings` its couplings."""
+    x, translational, torsional, mass, rotary, stiffness, wave = map(np.array, parts)
+    layout = Layout(x, translational, torsional, mass, rotary, stiffness, wave, couplings)
+    L, inertia = beam.length, inertia_of(beam, masses)
+    coupled = CoupledBeams(layout) if layout.several else None
+    z = frequencies(layout, count) if coupled is None else coupled.frequencies(count)
     rigid = int(np.count_nonzero(z == 0))
-    shapes = _joined(_rigid_shapes(layout, rigid), elastic_shapes(layout, z[rigid:], L), inertia.x)
+    if coupled is None:
+        motions, elastic = _rigid_shapes(layout, rigid)[:, None], elastic_shapes(layout, z[rigid:], L)
+    else:
+        motions, elastic = coupled.rigid()[:rigid], coupled_shapes(coupled, z[rigid:], L)
+    shapes = _joined(layout, motions, elastic, inertia.x)
     shapes = shapes.scaled(1 / np.sqrt(squares(shapes, inertia)))  # (16), (17)
     shapes = _orthogonal_clusters(shapes, z, inertia)
     shapes = shapes.scaled(np.where(_at_tip(shapes, layout, z) < 0, -1.0, 1.0))
@@ -100,10 +120,42 @@ def _exact_modes(beam: Line, masses: tuple[Mass, ...], parts: tuple[tuple[float,
 
 def _at_tip(shapes: BeamFunctions, layout: Layout, z: FloatArray) -> FloatArray:
     """phi + phi''' / beta^3 at the tip of each mode, see the module's head, or 1 of a rigid-body mode; ``(modes,)``."""
+    if layout.several:
+        return _at_tips(shapes, layout, z)
     tip, elastic, L = shapes.nodes[-1:], z > 0, shapes.nodes[-1]
     kappa, _ = layout.springs(layout.x.size - 1, z**4)
     shear = shapes(tip, 3)[:, 0] * (L / np.where(elastic, z, 1.0)) ** 3
     return np.where(elastic, shapes(tip)[:, 0] + np.where(kappa < 0, -shear, shear), 1.0)
+
+
+def _at_tips(shapes: BeamFunctions, layout: Layout, z: FloatArray) -> FloatArray:
+    """phi + phi''' / beta^3 at the tip of the last beam that takes part in each mode, ``(modes,)``."""
+    found, elastic, L = np.zeros((len(layout.beams), z.size)), z > 0, shapes.nodes[-1]
+    for i, (_, last) in enumerate(layout.beams):
+        tip, own = shapes.nodes[last : last + 1], np.where(elastic, z, 1.0) * float(layout.wave[last - 1])
+        kappa, _ = layout.springs(last, z**4)
+        shear = np.where(elastic, shapes(tip, 3)[:, 0] * (L / own) ** 3, 0.0)
+        found[i] = shapes(tip)[:, 0] + np.where(kappa < 0, -shear, shear)
+    takes_part = np.abs(found) > _TAKES_PART * np.abs(found).max(axis=0)
+    deciding = len(layout.beams) - 1 - np.argmax(takes_part[::-1], axis=0)
+    return np.asarray(found[deciding, np.arange(z.size)])
+
+
+def coupled_shapes(coupled: CoupledBeams, z: FloatArray, L: float) -> BeamFunctions:
+    """The shapes of the roots z = beta L of several beams, not normalised: null vectors of the matrix of all."""
+    layout, solutions = coupled.layout, mode_solutions(coupled.layout, z)
+    waves = 4 * layout.spans.size
+    matrix, forces, _ = coupled.bordered(solutions)
+    found = null_vectors(matrix) if z.size else np.zeros((0, matrix.shape[2]))
+    for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
+        if members.size > 1:
+            found[members] = np.linalg.svd(matrix[members[members.size // 2]])[2][-members.size :]
+    left = np.abs(np.einsum("nij,nj->ni", matrix, found)).max(axis=1, initial=0.0)
+    wrong = np.flatnonzero(~(left <= _LEFT))
+    if wrong.size:
+        raise SolverError(f"no shape at beta L = {z[wrong[0]]:.6g} meets the conditions at all supports and links")
+    at_nodes = coupled.node_forces(found[:, waves:] * forces)
+    return solutions.functions(layout, found[:, :waves].reshape(z.size, -1, 4), L, free=True, forces=at_nodes)
 
 
 def elastic_shapes(layout: Layout, z: FloatArray, L: float, few_spans: int = FEW_SPANS) -> BeamFunctions:
@@ -216,15 +268,20 @@ def _free_ways(layout: Layout) -> FloatArray:
     return np.array([[1.0], [0.0]]) if held else np.array([[1.0, -1.0], [0.0, 2.0]])
 
 
-def _joined(rigid: FloatArray, elastic: BeamFunctions, masses: FloatArray) -> BeamFunctions:
-    """Rigid-body modes, as deflection at x = 0 and slope times L, ``(rigid, 2)``, and elastic ones after them, as one
-    family; `masses` are the positions of lumped masses, m, ``(K,)``."""
-    L, at = elastic.nodes[-1], masses / elastic.nodes[-1]
+def _joined(layout: Layout, rigid: FloatArray, elastic: BeamFunctions, masses: FloatArray) -> BeamFunctions:
+    """Rigid-body modes, as deflection at each beam's first node and slope times L, ``(rigid, beams, 2)``, and elastic
+    ones after them, as one family; `masses` are the positions of lumped masses, m, ``(K,)``."""
+    L = elastic.nodes[-1]
     none = np.zeros((rigid.shape[0], *elastic.mu.shape[1:]))
     p = np.zeros((rigid.shape[0], elastic.nodes.size - 1, TERMS))
-    p[:, :, 0] = rigid[:, :1] + rigid[:, 1:] * elastic.nodes[:-1] / L
-    p[:, :, 1] = rigid[:, 1:]
-    at_masses = np.stack([rigid[:, :1] + rigid[:, 1:] * at, rigid[:, 1:] / L + 0 * at], axis=1)
+    at_masses = np.zeros((rigid.shape[0], 2, masses.size))
+    for i, (first, last) in enumerate(layout.beams):
+        start, end, own = elastic.nodes[first], elastic.nodes[last], rigid[:, i]
+        p[:, first:last, 0] = own[:, :1] + own[:, 1:] * (elastic.nodes[first:last] - start) / L
+        p[:, first:last, 1] = own[:, 1:]
+        on = (masses >= start - _BESIDE * L) & (masses <= end + _BESIDE * L)
+        at = (masses[on] - start) / L
+        at_masses[:, :, on] = np.stack([own[:, :1] + own[:, 1:] * at, own[:, 1:] / L + 0 * at], axis=1)
     return BeamFunctions(
         elastic.nodes,
         np.concatenate([none, elastic.mu]),
@@ -232,6 +289,7 @@ def _joined(rigid: FloatArray, elastic: BeamFunctions, masses: FloatArray) -> Be
         np.concatenate([none, elastic.c]),
         np.concatenate([p, elastic.p]),
         np.concatenate([at_masses, elastic.at_masses]),
+        elastic.spaces,
     )
 
 
@@ -251,4 +309,4 @@ def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, inertia: Inertia)
         # that changes it by d times as much, which is rounding.
         mixed = one.mixed(vectors @ np.diag(values**-0.5) @ vectors.T)
         c[members], p[members], at_masses[members] = mixed.c, mixed.p, mixed.at_masses
-    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, p, at_masses)
+    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, p, at_masses, shapes.spaces)

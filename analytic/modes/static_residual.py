@@ -27,12 +27,15 @@ from scipy.linalg import solve_banded
 from analytic.modes.beam_functions import TERMS, BeamFunctions, Inertia, gram, integrals
 from analytic.modes.boundary_conditions import (
     BAND,
+    Solutions,
     boundary_band,
     continuity_row,
     force_row,
     foundation_solutions,
+    spaces_of,
 )
 from analytic.modes.characteristic_equation import Layout, layout_of
+from analytic.modes.coupled_beams import CoupledBeams
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray, Problem
@@ -99,7 +102,8 @@ class Residual:
 def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: Loads, modal: FloatArray) -> Residual:
     """The residual shape, m, of each load p_l in a state; `modal`, ``(loads, modes)``, is (Phi_i, p_l), kg^-1/2 N."""
     beam = problem.line
-    sigma = 4 * (_FOUNDATION / beam.length) ** 4 * beam.EI / beam.m
+    longest = max(it.length for it in beam.beams)
+    sigma = 4 * (_FOUNDATION / longest) ** 4 * beam.EI / beam.m
     foundation = _foundation_shapes(problem, state, loads, sigma)
     return Residual(foundation, modes.shapes, modal / (modes.omega**2 + sigma))
 
@@ -107,13 +111,16 @@ def residual(problem: Problem, state: ContactState, modes: NormalModes, loads: L
 def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, sigma: float) -> Foundation:
     """Deflections under each load of the beam on springs, with a further stiffness of `sigma`, 1/s2, times its mass."""
     layout, L, EI = layout_of(problem, state.closed), problem.line.length, problem.line.EI
-    solutions, n, spans = foundation_solutions(layout, _FOUNDATION), loads.distributed.shape[0], layout.spans.size
+    longest = max(it.length for it in problem.line.beams)
+    solutions = foundation_solutions(layout, _FOUNDATION * (L / longest))
+    n, spans = loads.distributed.shape[0], layout.spans.size
     band, (factors,) = boundary_band(layout, solutions)
-    constant = loads.distributed / (sigma * problem.line.m * layout.span_masses)
+    mass = np.where(layout.span_masses > 0, layout.span_masses, 1.0)
+    constant = loads.distributed / (sigma * problem.line.m * mass)
     right_hand = np.zeros((4 * spans, n))
     for node in range(layout.x.size):
-        row, own = force_row(layout, node), constant[:, min(node, spans - 1)]
-        if 0 < node < spans:
+        row, own = force_row(layout, node), constant[:, node if layout.has_span(node) else node - 1]
+        if layout.has_span(node - 1) and layout.has_span(node):
             right_hand[continuity_row(node)] = (constant[:, node - 1] - own) * factors[0, node]
         kappa, _ = layout.springs(node, solutions.fourth)
         if np.isinf(kappa).all():
@@ -121,8 +128,24 @@ def _foundation_shapes(problem: Problem, state: ContactState, loads: Loads, sigm
         else:
             # EI (u'''(+) - u'''(-)) + (k + sigma M) u = P, in units of EI / L^3
             right_hand[row] = (loads.concentrated[:, node] * L**3 / EI - kappa * own) * factors[1, node]
-    amplitudes = solve_banded((BAND, BAND), band[0], right_hand).T.reshape(n, spans, 4)
+    if layout.several:
+        amplitudes = _coupled(layout, solutions, constant, right_hand).reshape(n, spans, 4)
+    else:
+        amplitudes = solve_banded((BAND, BAND), band[0], right_hand).T.reshape(n, spans, 4)
     return Foundation(solutions.functions(layout, amplitudes, L, free=False), _constants(layout, constant, L))
+
+
+def _coupled(layout: Layout, solutions: Solutions, constant: FloatArray, right_hand: FloatArray) -> FloatArray:
+    """Amplitudes of several beams, ``(n, 4 S)``, with their couplings, whose motions have the part `constant`,
+    ``(n, S)``, beside the solutions; `right_hand`, ``(4 S, n)``, is that of the beams alone."""
+    (matrix,), _, (balances,) = CoupledBeams(layout).bordered(solutions)
+    waves, n = right_hand.shape
+    every = np.concatenate([right_hand, np.zeros((len(layout.couplings), n))])
+    for i, it in enumerate(layout.couplings):
+        if it.derivative == 0:
+            first, second = (node if layout.has_span(node) else node - 1 for node in (it.first, it.second))
+            every[waves + i] = -balances[i] * (constant[:, second] - constant[:, first])
+    return np.asarray(np.linalg.solve(matrix, every)[:waves].T)
 
 
 def _constants(layout: Layout, values: FloatArray, length: float) -> BeamFunctions:
@@ -132,5 +155,6 @@ def _constants(layout: Layout, values: FloatArray, length: float) -> BeamFunctio
     p[:, :, 0] = values
     none, places = np.zeros((n, spans, 0), dtype=complex), np.flatnonzero(layout.mass + layout.rotary)
     at_masses = np.zeros((n, 2, places.size))
-    at_masses[:, 0] = values[:, np.minimum(places, spans - 1)]  # right of a node, where there is a span
-    return BeamFunctions(layout.x * length, none, np.zeros(0, dtype=bool), none, p, at_masses)
+    beside = [node if layout.has_span(node) else node - 1 for node in places.tolist()]
+    at_masses[:, 0] = values[:, np.array(beside, dtype=int)]  # right of a node, where there is a span
+    return BeamFunctions(layout.x * length, none, np.zeros(0, dtype=bool), none, p, at_masses, spaces_of(layout))
