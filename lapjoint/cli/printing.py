@@ -213,7 +213,7 @@ def print_impulses(problem: Problem, impulses: list[float], heading: str, errors
         names, width = stop_column(problem)
         known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
         for name, stop, impulse, error in zip(names, problem.structure.stops, impulses, known, strict=True):
-            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}{error}")
+            echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{impulse:14.8g}{error}")
 
 
 def _print_dissipated(history: History, periods: int, heading: str) -> None:
@@ -224,7 +224,7 @@ def _print_dissipated(history: History, periods: int, heading: str) -> None:
         names, width = stop_column(problem)
         for name, stop, energy in zip(names, problem.structure.stops, lost.tolist(), strict=True):
             if stop.damping > 0:
-                echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{energy:14.8g}")
+                echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{energy:14.8g}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:

@@ -80,7 +80,7 @@ def _of_steady_state(steady: SteadyState) -> str:
         lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(steady.multipliers).max():.4g}")
     errors = [None] * steady.impulses.size if steady.impulse_errors is None else steady.impulse_errors.tolist()
     rows = [
-        (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
+        (name, stop.where, stop.side, _with_error(float(impulse), error))
         for name, stop, impulse, error in zip(
             steady.problem.stop_names, steady.problem.structure.stops, steady.impulses, errors, strict=True
         )
@@ -98,7 +98,7 @@ def _of_equilibrium(found: Equilibrium) -> str:
         f"Displacement of the tip: {_with_error(float(found.displacement(tip)[0]), found.errors.displacement)} m"
     )
     rows = [
-        (name, f"{stop.x:g}", stop.side, _with_error(float(force), float(error)))
+        (name, stop.where, stop.side, _with_error(float(force), float(error)))
         for name, stop, force, error in zip(
             problem.stop_names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True
         )

@@ -192,7 +192,7 @@ def _of_inertia(problem: Problem, line: Line) -> Iterator[str]:
         if max(values) > _STEEPEST * min(values):
             low, high = (_piece_path(line, values.index(extreme)) for extreme in (min(values), max(values)))
             yield (
-                f"{high}: its {name} is {max(values) / min(values):.2g} times that of {low}; "
+                f"{high}: its {name} is {max(values) / min(values):.2g} times that of {low.removeprefix('beam.')}; "
                 f"allowed are up to {_STEEPEST:g} times"
             )
 

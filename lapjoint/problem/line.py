@@ -168,6 +168,15 @@ class Line:
         """Equidistant positions along each beam, m, ``(points,)`` of one beam: `points` on each, both ends included."""
         return np.concatenate([np.linspace(a, b, points) for a, b in zip(self.starts, self.ends, strict=True)])
 
+    def own(self, x: FloatArray, beam: int) -> FloatArray:
+        """Which positions on the line, m, ``(n,)``, are on a beam, ``(n,)``."""
+        return np.asarray((x >= self.starts[beam]) & (x <= self.ends[beam]))
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Positions of the ends of all beams, m, ascending."""
+        return tuple(x for ends in zip(self.starts, self.ends, strict=True) for x in ends)
+
     def EI_at(self, x: FloatArray) -> FloatArray:
         """Bending stiffness at positions.
 

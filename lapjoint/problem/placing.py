@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, InitialShape, LineShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, BeamStart, InitialShape, LineShape, SampledShape
 from lapjoint.problem.line import Line
 from lapjoint.problem.links import Link
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.messages import closest, shown
 from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.static_loads import UniformLoad
 from lapjoint.problem.structure import PlacedLink, Structure, structure_of
 from lapjoint.problem.supports_and_stops import PlacedStop, Stop, Support
@@ -62,7 +63,7 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
     shares = [beam.base_share if isinstance(beam, NamedBeam) else 1.0 for beam in line.beams]
     if stop.between is not None:
         first, second = (line.at(place) for place in stop.between)
-        sign, side = 1, "between"
+        side = "between"
         reading: tuple[tuple[float, float], ...] = ((second, 1.0), (first, -1.0))
         share = shares[line.beam_at(second)] - shares[line.beam_at(first)]
         where = " to ".join(map(line.place, (first, second)))
@@ -70,10 +71,10 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
         assert stop.x is not None
         assert stop.side is not None
         x = float(stop.x) if not line.several and not isinstance(stop.x, str) else line.at(stop.x)
-        sign, side, where = (1 if stop.side == "top" else -1), stop.side, line.place(x)
+        side, where = stop.side, line.place(x)
         reading = ((x, 1.0),)
-        share = shares[line.beam_at(x)] if stop.fixed_to == "space" else 0.0
-    return PlacedStop(sign, reading, share, stop.gap, stop.stiffness, stop.damping, stop.may_pull, where, side)
+        share = shares[line.beam_at(x)] if stop.in_space else 0.0
+    return PlacedStop(stop.sign, reading, share, stop.gap, stop.stiffness, stop.damping, stop.may_pull, where, side)
 
 
 def _placed_link(link: Link, line: Line) -> PlacedLink:
@@ -97,6 +98,29 @@ def shape_on_line(initial: AtRest | BeamsStart | InitialShape, line: Line) -> In
     return LineShape(
         tuple((line.starts[i], line.ends[i], one.shape) for i, one in zip(indices, initial.beams, strict=True))
     )
+
+
+def sampled_start(
+    line: Line, x: FloatArray, displacement: FloatArray, velocity: FloatArray
+) -> SampledShape | BeamsStart:
+    """The initial state through samples, ``(n,)`` each, at positions on the line, m, ascending, that include the ends
+    of each beam."""
+    on = [line.own(x, j) for j in range(len(line.beams))]
+    parts = [
+        BeamStart(
+            beam=name,
+            x=tuple((x[here] - start).tolist()),
+            displacement=tuple(displacement[here].tolist()),
+            velocity=tuple(velocity[here].tolist()),
+        )
+        for name, start, here in zip(
+            line.names, line.starts, (line.own(x, j) for j in range(len(line.beams))), strict=True
+        )
+    ]
+    if line.several:
+        return BeamsStart(beams=tuple(parts))
+    (only,) = parts
+    return SampledShape(x=only.x, displacement=only.displacement, velocity=only.velocity)
 
 
 def place_faults(problem: Problem) -> list[str]:

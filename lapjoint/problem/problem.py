@@ -390,7 +390,7 @@ def _base_of_stops_in_space(problem: Problem) -> Iterator[str]:
     """A line if the base does not move as a sum of sines, and a stop is fixed in space, so that its gap sees y(t)."""
     base = problem.base_motion
     for i, stop in enumerate(problem.stops):
-        if stop.fixed_to == "space" and isinstance(base, Record | Random):
+        if stop.in_space and isinstance(base, Record | Random):
             yield (
                 f'stops[{i}].fixed_to = "space": base_motion.kind is "{base.kind}"; with stops fixed in space the base '
                 'may move by a "sine" or "harmonics"'

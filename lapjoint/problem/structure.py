@@ -15,6 +15,7 @@ from lapjoint.problem.line import Line
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop, Support
 
 _HELD = 1e-9
@@ -71,6 +72,11 @@ class Structure:
         pieces = ((it.start, it.end, shares[line.beam_at(it.start)] * getattr(it, name)) for it in line.pieces)
         return LoadShape(tuple(point for point in points if point[1]), tuple(piece for piece in pieces if piece[2]))
 
+    def base_shares(self, x: FloatArray) -> FloatArray:
+        """How much of the base's motion acts along z at positions on the line, m, ``(n,)``; gives ``(n,)``."""
+        shares = [_share(beam, "base_share") for beam in self.line.beams]
+        return np.array([shares[self.line.beam_at(float(position))] for position in x])
+
     @cached_property
     def free_motions(self) -> int:
         """Number of motions as rigid bodies, 0 to 2 for each beam, that supports and links leave free."""
@@ -84,7 +90,7 @@ class Structure:
         every = 2 * len(line.beams)
         return every - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else every
 
-    def _rigid(self, x: float, derivative: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def _rigid(self, x: float, derivative: int) -> FloatArray:
         """Displacement, or slope times length, at a position, m, when each beam shifts or turns; ``(2 beams,)``."""
         found, i = np.zeros(2 * len(self.line.beams)), self.line.beam_at(x)
         start, length = self.line.starts[i], self.line.beams[i].length

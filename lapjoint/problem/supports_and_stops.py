@@ -64,6 +64,16 @@ class Stop(Part):
             raise ValueError(f"{missing}: is missing; a stop has x and side, or between if it is between two beams")
         return self
 
+    @property
+    def sign(self) -> int:
+        """-1 for a bottom stop, else +1: closed where ``sign`` times what the gap sees exceeds the gap."""
+        return -1 if self.side == "bottom" else 1
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the stop is fixed in space, and does not move with the base."""
+        return self.fixed_to == "space"
+
 
 @dataclass(frozen=True)
 class PlacedStop:

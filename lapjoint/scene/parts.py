@@ -139,7 +139,7 @@ class Beam(Part):
             "moment": EI * beam["z_xx"],
             "shear": EI * beam["z_xxx"],
         }
-        if all(piece.section for piece in problem.line.pieces):
+        if problem.line.has_sections:
             point["bending_stress"] = -problem.line.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
         force = np.zeros_like(z)
         for stop, station in enumerate(self.layout.at_stops):
@@ -300,7 +300,7 @@ class Base(Part):
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
     """The parts of a joint: a solid if there are cross-sections, masses, and stops, with their gaps if asked for."""
     problem = layout.problem
-    solid = (Solid(layout),) if all(piece.section for piece in problem.line.pieces) else ()
+    solid = (Solid(layout),) if problem.line.has_sections else ()
     masses = (Masses(layout),) if problem.structure.masses else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.structure.stops else ()
     base = (Base(layout),) if problem.structure.stops or problem.structure.supports else ()

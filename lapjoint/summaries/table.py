@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lapjoint.answers.series import place_coordinates
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
 from lapjoint.summaries.distributions import edges
@@ -84,8 +85,7 @@ def _correlation(sums: Sums, realisations: int) -> float:
 def _coordinates(what: Measure) -> dict[str, Variable]:
     asked = np.isin(np.arange(what.selection.x.size), what.selection.asked)
     names = np.array(what.selection.problem.stop_names, dtype=object)
-    return {
-        "x": (("x",), what.selection.x, {"units": "m", "long_name": "position from the root"}),
+    return place_coordinates(what.selection.problem, what.selection.x) | {
         "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
         "stop_name": (("stop",), names, {"long_name": "name of the stop"}),
         "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),

@@ -96,7 +96,7 @@ def response_of(problem: Problem) -> Response:
         assert isinstance(damping, ViscousDamping)
         ratios = damping.coefficient / (2 * omega)
     inertia = problem.structure.inertia
-    participation = np.trapezoid(problem.beam.inertia_at(x) * shapes, x, axis=1)
+    participation = np.trapezoid(problem.line.inertia_at(x) * shapes, x, axis=1)
     for place, mass in inertia.points:
         participation = participation + mass * np.asarray(modes.shapes(np.array([place])), dtype=float)[:, 0]
     return Response(omega, shapes, ratios, participation)

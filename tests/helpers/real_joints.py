@@ -96,7 +96,7 @@ def _laden(rng: np.random.Generator, features: tuple[str, ...], problem: Problem
         return sign * _between(rng, *_SAG) * sag / float(np.abs(q @ response.shapes).max())
 
     if "gravity" in features:
-        problem = problem.replace(gravity=Gravity(acceleration=size(problem.beam.inertia_at(x))))
+        problem = problem.replace(gravity=Gravity(acceleration=size(problem.line.inertia_at(x))))
     if "uniform load" in features:
         start = rng.uniform(0.0, 0.6)
         end = rng.uniform(start + 0.2, 1.0)

@@ -54,7 +54,7 @@ def assert_orthonormal(seed: int) -> None:
     """(16), (18) with the mass as weight.  Frequencies near each other have shapes that hold fewer digits."""
     problem, state = random_state(seed)
     modes = exact_modes(problem, state, MODES)
-    products = gram(modes.shapes, modes.shapes, inertia_of(problem.beam, problem.masses))
+    products = gram(modes.shapes, modes.shapes, inertia_of(problem.line, problem.masses))
     omega = modes.omega
     near = np.abs(omega[:, None] - omega) / np.maximum(np.maximum(omega[:, None], omega), 1e-300)
     allowed = np.where(near > 0, 1e-12 + 1e-14 / np.maximum(near, 1e-14) * (near < 0.01), 1e-12)
@@ -94,7 +94,7 @@ def test_inner_products_agree_with_quadrature(seed: int) -> None:
     points, weights = np.polynomial.legendre.leggauss(20)
     half = np.diff(edges)[:, None] / 2
     x, w = (edges[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
-    expected = (one(x) * problem.beam.inertia_at(x) * w) @ other(x).T
+    expected = (one(x) * problem.line.inertia_at(x) * w) @ other(x).T
     heaviest = 1.0
     for mass in problem.masses:
         at = np.array([mass.x])
@@ -102,7 +102,7 @@ def test_inner_products_agree_with_quadrature(seed: int) -> None:
         beam = problem.beam
         heaviest += (mass.mass + mass.rotary_inertia / beam.length**2) / (beam.m * beam.length)
     # A displacement at a mass, from the waves, has a rounding error that the mass multiplies.
-    found = gram(one, other, inertia_of(problem.beam, problem.masses))
+    found = gram(one, other, inertia_of(problem.line, problem.masses))
     np.testing.assert_allclose(found, expected, atol=1e-13 * (10 + heaviest))
 
 
@@ -222,14 +222,14 @@ def test_foundation_shapes_have_the_modal_content_that_their_equation_says(seed:
     problem = loaded(seed)
     for state in (FREE, ContactState((0,))):
         modal = modal_state(loaded_structure(problem), state, 30)
-        found = modal.residual.foundation.products(modal.modes.shapes, inertia_of(problem.beam, problem.masses))
+        found = modal.residual.foundation.products(modal.modes.shapes, inertia_of(problem.line, problem.masses))
         expected = modal.residual.weights
         assert np.all(np.abs(found - expected) <= 1e-10 * np.linalg.norm(expected, axis=1)[:, None])
 
 
 def test_modal_forces_of_gravity_and_of_the_base_are_integrals_of_what_moves() -> None:
     problem = loaded(5)
-    beam, modal = problem.beam, modal_state(loaded_structure(problem), FREE, 10)
+    beam, modal = problem.line, modal_state(loaded_structure(problem), FREE, 10)
     points, weights = np.polynomial.legendre.leggauss(40)
     expected = np.zeros(10)
     for start, end in pairwise(modal.modes.shapes.nodes):
