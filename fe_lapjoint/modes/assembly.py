@@ -21,8 +21,9 @@ from skfem.helpers import dd, ddot
 
 from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, NoDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.structure import Structure, structure_of
 
 
 @BilinearForm
@@ -59,6 +60,7 @@ def two_points(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x.ravel(), np.repeat(h, 2) / 2
 
 
+_UNDAMPED = NoDamping()
 _HELD = 1e-9
 """Supports that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
 
@@ -165,9 +167,27 @@ class Assembly:
         return np.asarray(row * self.problem.beam.length**derivative)
 
     @cached_property
-    def stop_places(self) -> FloatArray:
-        """Positions of the stops, m, shape ``(P,)``; see `place`."""
-        return np.array([self.place(stop.x) for stop in self.problem.stops], dtype=float)
+    def without_stops(self) -> tuple[Structure, tuple[float, ...]]:
+        """The beam with its supports and masses, without stops and damping, and the nodes, m: what modes depend on."""
+        problem = self.problem
+        joint = structure_of(problem.beam, problem.supports, (), _UNDAMPED, problem.masses)
+        return joint, tuple(self.nodes.tolist())
+
+    @cached_property
+    def in_space(self) -> npt.NDArray[np.bool_]:
+        """Which stops are fixed in space, shape ``(P,)``."""
+        return np.array([stop.in_space for stop in self.problem.stops], dtype=np.bool_)
+
+    @cached_property
+    def stop_places(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+        """The first stop of each distinct place, shape ``(p,)``, and the place of each stop, shape ``(P,)``.
+
+        A place is a position, see `place`, of stops that are all fixed to the base, or all in space.
+        """
+        x = [self.place(stop.x) for stop in self.problem.stops]
+        places = np.stack([x, self.in_space], axis=1)
+        _, first, place_of = np.unique(places, axis=0, return_index=True, return_inverse=True)
+        return first, place_of.ravel()
 
     @cached_property
     def stop_rows(self) -> FloatArray:
@@ -246,5 +266,11 @@ class Assembly:
 
 def _hermite(s: FloatArray, derivative: int) -> FloatArray:
     """Derivatives of the four cubic Hermite polynomials on [0, 1], shape ``(4, k)``."""
-    cubics = ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])
-    return np.array([np.polynomial.Polynomial(c).deriv(derivative)(s) + 0 * s for c in cubics])
+    return np.asarray(np.polynomial.polynomial.polyval(s, _cubics(derivative)))
+
+
+@cache
+def _cubics(derivative: int) -> FloatArray:
+    """Coefficients of 1, s, ... of derivatives of the four cubic Hermite polynomials, shape ``(4 - derivative, 4)``."""
+    cubics = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+    return np.asarray(np.polynomial.polynomial.polyder(cubics.T, derivative))

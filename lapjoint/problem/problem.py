@@ -367,11 +367,11 @@ def _outside_the_beam(
 ) -> Iterator[str]:
     L = problem.beam.length
     for group in groups:
+        field = "to" if group == "uniform_loads" else "x"
         for i, part in enumerate(getattr(problem, group)):
-            for field in ("x", "to"):
-                x = getattr(part, field, None)
-                if x is not None and x > L:
-                    yield f"{group}[{i}].{field} = {x:g}: lies outside the beam; allowed are 0 to {L:g} m"
+            x = getattr(part, field)
+            if x is not None and x > L:
+                yield f"{group}[{i}].{field} = {x:g}: lies outside the beam; allowed are 0 to {L:g} m"
             if group == "uniform_loads" and part.to is None and part.start >= L:
                 yield f"{group}[{i}].from = {part.start:g}: must be less than the length of the beam, {L:g} m"
 
