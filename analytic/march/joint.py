@@ -22,6 +22,7 @@ from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
     FlatState,
+    IntArray,
     Tables,
     Unscaled,
     connect,
@@ -90,9 +91,7 @@ class Joint:
         """See `analytic.march.loads.Excitation`."""
         self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
         """Number of sampled loads."""
-        self.force_rows = force_rows(self.loaded.problem)
-        """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
-        self.damped = any(stop.damping > 0 for stop in self.loaded.problem.structure.stops)
+        self.damped = self.loaded.damped
         """Whether a stop is damped."""
         self._coupled: dict[ContactState, Coupled] = {}
         if self.damped and self.sampled:
@@ -127,13 +126,18 @@ class Joint:
         """Number of stops in the tables, where a damped stop has a second row; see `analytic.march.coupled`."""
         return int(self.tables.sign.size)
 
+    @cached_property
+    def force_rows(self) -> IntArray:
+        """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
+        return force_rows(self.loaded.problem)
+
     def count(self, state: ContactState) -> int:
         """Number of modes in a state."""
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
         """One contact state in modal form, for unit loads."""
-        return modal_state(self.loaded, ContactState(state.closed), self.count(state))
+        return modal_state(self.loaded, state.pressed, self.count(state))
 
     def left_out(self, state: ContactState) -> FloatArray:
         """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
@@ -191,7 +195,7 @@ class Joint:
         if old.closed == new.closed:
             S, left_out = np.eye(n_new, n_old), np.zeros((turning.size, n_new))
         else:
-            made = self.passage(ContactState(old.closed), ContactState(new.closed))
+            made = self.passage(old.pressed, new.pressed)
             S, left_out = made.S, made.residual
         both = np.zeros((2 * n_new, 2 * n_old))
         both[:n_new, :n_old] = both[n_new:, n_old:] = S
@@ -227,7 +231,7 @@ class Joint:
         """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
-            found = self._flat[state] = flat_state(self.loaded, ContactState(state.closed), self.count(state))
+            found = self._flat[state] = flat_state(self.loaded, state.pressed, self.count(state))
         return found
 
     @property

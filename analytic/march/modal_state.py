@@ -55,6 +55,11 @@ class LoadedStructure:
     positions: Positions
     """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads."""
 
+    @cached_property
+    def damped(self) -> bool:
+        """Whether a stop is damped."""
+        return any(stop.damping > 0 for stop in self.problem.stops)
+
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
 

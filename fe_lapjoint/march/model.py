@@ -87,7 +87,7 @@ class Model:
 
     def _coupled(self, state: ContactState) -> Coupled:
         """A contact state in which damped stops are closed."""
-        base, closed = self.undamped(state), ContactState(state.closed)
+        base, closed = self.undamped(state), state.pressed
         own = np.diag(2 * base.damping_rate)
         if state.released and isinstance(self.problem.damping, ModalDamping):
             S = self.transfer(closed, state)

@@ -344,8 +344,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         stop = problem.structure.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     stops = assembly.stop_rows @ vectors
-    place_of = assembly.stop_places
-    first = np.unique(place_of, return_index=True)[1]
+    first, place_of = assembly.stop_places
     for step in problem.forces.constant:
         f0 += step.force * assembly.load(step.shape)
     return System(
@@ -368,11 +367,10 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
 def under_other_loads(alike: System, assembly: Assembly, problem: Problem) -> System:
     """A contact state of a problem whose harmonic loads differ from those of `alike` by size or frequency alone."""
     harmonic, driven, seen = _harmonic_loads(assembly, alike.state, alike.vectors, problem)
-    first = np.unique(alike.place_of, return_index=True)[1]
     omega = alike.omega
     if (alike.damping_rate < DETUNE * omega).any():
         omega = _away_from_resonance(eigenmodes(assembly, alike.state)[0], alike.damping_rate, driven.tolist())
-    return replace(alike, omega=omega, harmonic=harmonic, driven=driven, seen=seen[first])
+    return replace(alike, omega=omega, harmonic=harmonic, driven=driven, seen=seen[assembly.stop_places[0]])
 
 
 def _waves(problem: Problem) -> tuple[HarmonicForce | Wave, ...]:
@@ -389,11 +387,11 @@ def _harmonic_loads(
     stop's gap sees, m, ``(P, H)``.
     """
     loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.structure.stops
-    springs = np.array([stop.stiffness * stop.base_share * (k in state) for k, stop in enumerate(stops)], dtype=float)
+    springs = np.array([stop.stiffness * (k in state) for k, stop in enumerate(stops)]) * assembly.base_shares
     columns = [load.amplitude * assembly.load(load.shape) for load in loads]
     columns += [-wave.amplitude * (springs @ assembly.stop_rows) for wave in waves]
     forces = np.array(columns).reshape(len(columns), vectors.shape[0]).T
-    seen = np.outer([stop.base_share for stop in stops], [0.0] * len(loads) + [wave.amplitude for wave in waves])
+    seen = np.outer(assembly.base_shares, [0.0] * len(loads) + [wave.amplitude for wave in waves])
     return vectors.T @ forces, np.array([load.angular_frequency for load in _waves(problem)]), seen
 
 

@@ -21,8 +21,9 @@ from skfem.helpers import dd, ddot
 
 from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, NoDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.structure import Structure, structure_of
 
 
 @BilinearForm
@@ -59,6 +60,7 @@ def two_points(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x.ravel(), np.repeat(h, 2) / 2
 
 
+_UNDAMPED = NoDamping()
 _HELD = 1e-9
 """Supports that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
 
@@ -165,12 +167,26 @@ class Assembly:
         return np.asarray(row * self.problem.line.length**derivative)
 
     @cached_property
-    def stop_places(self) -> npt.NDArray[np.int64]:
-        """For each stop the number of what its gap sees, from 0, shape ``(P,)``: stops that see the same share it."""
+    def without_stops(self) -> tuple[Structure, tuple[float, ...]]:
+        """The beams with supports, links and masses, without stops and damping, and the nodes, m: what modes depend
+        on."""
+        it = self.problem.structure
+        return structure_of(it.line, it.supports, (), _UNDAMPED, it.masses, it.links), tuple(self.nodes.tolist())
+
+    @cached_property
+    def base_shares(self) -> FloatArray:
+        """How much of the base's motion each stop's gap sees, shape ``(P,)``."""
+        return np.array([stop.base_share for stop in self.problem.structure.stops])
+
+    @cached_property
+    def stop_places(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+        """The first stop of each distinct place, shape ``(p,)``, and the place of each stop, shape ``(P,)``: the gaps of
+        stops of one place see the same."""
         stops = self.problem.structure.stops
         seen = [(*((self.place(x), a) for x, a in stop.reading), (stop.base_share, 0.0)) for stop in stops]
         places = sorted(set(seen))
-        return np.array([places.index(one) for one in seen], dtype=np.int64)
+        place_of = np.array([places.index(one) for one in seen], dtype=np.intp)
+        return np.unique(place_of, return_index=True)[1], place_of
 
     @cached_property
     def stop_rows(self) -> FloatArray:
@@ -252,5 +268,11 @@ class Assembly:
 
 def _hermite(s: FloatArray, derivative: int) -> FloatArray:
     """Derivatives of the four cubic Hermite polynomials on [0, 1], shape ``(4, k)``."""
-    cubics = ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])
-    return np.array([np.polynomial.Polynomial(c).deriv(derivative)(s) + 0 * s for c in cubics])
+    return np.asarray(np.polynomial.polynomial.polyval(s, _cubics(derivative)))
+
+
+@cache
+def _cubics(derivative: int) -> FloatArray:
+    """Coefficients of 1, s, ... of derivatives of the four cubic Hermite polynomials, shape ``(4 - derivative, 4)``."""
+    cubics = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+    return np.asarray(np.polynomial.polynomial.polyder(cubics.T, derivative))

@@ -31,6 +31,11 @@ class ContactState:
     def __contains__(self, stop: int) -> bool:
         return stop in self.closed
 
+    @property
+    def pressed(self) -> ContactState:
+        """The state with the same closed stops, none of which is released."""
+        return ContactState(self.closed) if self.released else self
+
     def toggled(self, stop: int) -> ContactState:
         """The state after a stop has opened or closed, or after its force has ended or begun.
 

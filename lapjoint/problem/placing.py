@@ -113,9 +113,7 @@ def sampled_start(
             displacement=tuple(displacement[here].tolist()),
             velocity=tuple(velocity[here].tolist()),
         )
-        for name, start, here in zip(
-            line.names, line.starts, (line.own(x, j) for j in range(len(line.beams))), strict=True
-        )
+        for name, start, here in zip(line.names, line.starts, on, strict=True)
     ]
     if line.several:
         return BeamsStart(beams=tuple(parts))
