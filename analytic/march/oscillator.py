@@ -30,11 +30,15 @@ error is 1e-7 of the static deflection.  The phase is off by at most 2e-8 of its
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
-    """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``."""
+    """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``.
+
+    They are 0 where viscous damping couples the modes: `analytic.march.drag` has its matrix.
+    """
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
-    rate = damping.coefficient / (2 * problem.beam.m) if isinstance(damping, ViscousDamping) else 0.0
+    uncoupled = isinstance(damping, ViscousDamping) and not problem.structure.coupling_drag
+    rate = damping.coefficient / (2 * problem.beam.m) if uncoupled else 0.0
     return np.full(omega.size, rate)
 
 

@@ -171,7 +171,7 @@ def _of_inertia(joint: Structure) -> Iterator[str]:
 
 
 def _of_damping(joint: Structure) -> Iterator[str]:
-    """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
+    """Damping too large for double precision to hold the slower of two decay rates."""
     damping, beam = joint.damping, joint.beam
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
@@ -180,11 +180,6 @@ def _of_damping(joint: Structure) -> Iterator[str]:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
-        if joint.masses or any(piece.inertia != beam.pieces[0].inertia for piece in beam.pieces):
-            yield (
-                'damping.kind = "viscous": masses, or a mass per length that changes, make this damping couple the '
-                'modes; allowed with them are "modal" and "none"'
-            )
         critical = 2 * beam.m * beam.slowest_bending
         if not damping.coefficient <= _MOST_DAMPED * critical:
             yield (

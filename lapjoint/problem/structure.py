@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from lapjoint.problem.beam import Beam
-from lapjoint.problem.damping import Damping
+from lapjoint.problem.damping import Damping, ViscousDamping
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.supports_and_stops import Stop, Support
@@ -52,6 +52,16 @@ class Structure:
         rows = [(1.0, support.x / self.beam.length) for support in self.supports if support.translational > 0]
         rows += [(0.0, 1.0) for support in self.supports if support.torsional > 0]
         return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
+
+    @cached_property
+    def coupling_drag(self) -> float:
+        """The viscous coefficient C, N s/m2, where it couples the modes, else 0.
+
+        Its force is proportional to the velocity, and couples no modes, where all inertia is one mass per length.
+        """
+        pieces = self.beam.pieces
+        even = not self.masses and all(piece.inertia == pieces[0].inertia for piece in pieces)
+        return self.damping.coefficient if isinstance(self.damping, ViscousDamping) and not even else 0.0
 
     def __reduce__(self) -> tuple[object, ...]:
         return structure_of, (self.beam, self.supports, self.stops, self.damping, self.masses)
