@@ -33,7 +33,14 @@ import scipy.linalg
 from analytic.march.drag import Drag
 from analytic.march.loads import Harmonics
 from analytic.march.modal_state import ModalState
-from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
+from analytic.march.oscillator import (
+    OSCILLATING,
+    SPLIT,
+    all_away_from_resonance,
+    kinds_of,
+    may_resonate,
+    static_answer,
+)
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
@@ -176,11 +183,12 @@ def coupled(
     sizes: FloatArray,
     harmonics: Harmonics,
     drag: Drag | None,
+    side: float,
 ) -> Coupled:
     """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
 
     `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `drag` is given where
-    viscous damping couples the modes.
+    viscous damping couples the modes.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
     """
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
@@ -209,10 +217,23 @@ def coupled(
         if _condition(to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
-    roots, to, back = best
+    roots, to, back = _detuned(best[0], harmonics.omega, side), *best[1:]
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
     return Coupled(roots, kinds_of(roots), to, back, lag, push, own + coupling)
+
+
+def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
+    """Roots, ``(N, 2)``, of which those without damping are kept away from the loads' frequencies, rad/s, ``(H,)``."""
+    rings = np.flatnonzero(roots.imag[:, 0] > 0)
+    natural, rate = np.abs(roots[rings, 0]), -roots[rings, 0].real
+    if not may_resonate(natural, rate):
+        return roots
+    moved = all_away_from_resonance(natural, rate, driven, side)
+    found, which = roots.copy(), moved != natural
+    turn = 1j * np.sqrt(moved[which] ** 2 - rate[which] ** 2)
+    found[rings[which]] = np.stack([turn, -turn], axis=1) - rate[which, None]
+    return found
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:

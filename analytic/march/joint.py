@@ -162,7 +162,7 @@ class Joint:
             modal = modal_state(self.loaded, closed, count)
             if self.loaded.problem.structure.coupling_drag > 0:
                 drag = drag_of(self.loaded, closed, count)
-            arrays = self._seen_beside(modal), self.sizes, self.harmonics, drag
+            arrays = self._seen_beside(modal), self.sizes, self.harmonics, drag, self.side
             found = self._coupled[state, count] = coupled(self.loaded.problem, state, modal, *arrays)
         return found
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
@@ -79,6 +79,15 @@ def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray, s
                     beside = driven[h] * (1 + side * _DETUNE)
                     edge = max(edge, beside) if side == ABOVE else min(edge, beside)
             away = edge
+    return away
+
+
+@njit_called()
+def all_away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: FloatArray, side: float) -> FloatArray:
+    """`away_from_resonance` of ``N`` modes, rad/s, shape ``(N,)``."""
+    away = omega.copy()
+    for i in range(omega.size):
+        away[i] = away_from_resonance(omega[i], damping_rate[i], driven, side)
     return away
 
 

@@ -38,6 +38,9 @@ _STEEPEST = 1e9
 elements is singular to rounding."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
+_MOST_COUPLING = 1e4
+"""Largest viscous damping, in units of the critical one, that couples the modes: the slowest decay keeps seven digits
+there, and loses two with each factor of ten."""
 _MOST_IN_STOP = 1e4
 """Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
 stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
@@ -181,10 +184,12 @@ def _of_damping(joint: Structure) -> Iterator[str]:
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
         critical = 2 * beam.m * beam.slowest_bending
-        if not damping.coefficient <= _MOST_DAMPED * critical:
+        couples = joint.coupling_drag > 0
+        most, with_what = (_MOST_COUPLING, "with masses or steps of mass ") if couples else (_MOST_DAMPED, "")
+        if not damping.coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must be at most {_MOST_DAMPED:g} times the critical "
-                f"damping of the slowest bending, which is {_MOST_DAMPED * critical:.2g} N s/m2"
+                f"damping.coefficient = {damping.coefficient:g}: must {with_what}be at most {most:g} times the critical "
+                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2"
             )
 
 
