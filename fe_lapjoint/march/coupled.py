@@ -27,6 +27,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 
 from fe_lapjoint.march.compiled import integrals
@@ -87,11 +88,10 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     A[at, np.arange(m)] = -s
     A[m:, m:] = -D[np.ix_(moving, moving)]
     values, vectors = scipy.linalg.eig(A)
-    inverse = np.linalg.inv(vectors)
-    skew = float(np.linalg.norm(vectors, 2) * np.linalg.norm(inverse, 2)) if values.size else 1.0
+    skew = float(np.linalg.cond(vectors)) if values.size else 1.0
     upper = np.flatnonzero(values.imag >= 0)
     rates, vectors = values[upper], vectors[:, upper]
-    inverse = inverse[upper] * np.where(rates.imag > 0, 2.0, 1.0)[:, None]
+    inverse = _amplitudes_of(vectors, rates.imag > 0)
     rates = np.minimum(rates.real, 0.0) + 1j * rates.imag
     modes, back = np.zeros((n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
     modes[moving] = vectors[m:] / rates
@@ -105,6 +105,20 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     alone = np.flatnonzero(~bends & ~dragged)
     rest[1, alone, n + alone] = 1.0
     return Exponentials(rates, modes, back, rest), skew
+
+
+def _amplitudes_of(vectors: ComplexArray, ring: npt.NDArray[np.bool_]) -> ComplexArray:
+    """The c for which the real part of vectors @ c is given, ``(T, size)``, of ``T`` vectors, ``(size, T)``.
+
+    `ring`, ``(T,)``, says which vectors have an imaginary part.  Real and imaginary parts are columns of one real matrix:
+    in a complex inverse, two nearly equal vectors would leave errors that do not cancel in the real part.
+    """
+    others = vectors.imag[:, ring]
+    sizes = np.linalg.norm(others, axis=0)
+    inverse = np.linalg.inv(np.concatenate([vectors.real, others / sizes], axis=1))
+    found = inverse[: ring.size].astype(complex)
+    found[ring] -= 1j * inverse[ring.size :] / sizes[:, None]
+    return found
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
