@@ -37,9 +37,8 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
-    uncoupled = isinstance(damping, ViscousDamping) and not problem.structure.coupling_drag
-    rate = damping.coefficient / (2 * problem.beam.m) if uncoupled else 0.0
-    return np.full(omega.size, rate)
+    drag = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
+    return np.full(omega.size, 0.0 if problem.structure.coupling_drag else drag / (2 * problem.beam.m))
 
 
 @njit_inner()

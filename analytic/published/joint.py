@@ -43,10 +43,6 @@ class PublishedJoint(Joint):
         self, problem: Problem | DrivenProblem, free_modes: int, contact_modes: int, side: float = ABOVE
     ) -> None:
         super().__init__(problem, free_modes, contact_modes, side)
-        if self.loaded.problem.structure.coupling_drag > 0:
-            raise InputError(
-                'damping.kind = "viscous": the published scheme takes it without masses, and with one mass per length'
-            )
         if self.damped:
             stops = self.loaded.problem.stops
             k = next(k for k, stop in enumerate(stops) if stop.damping > 0)

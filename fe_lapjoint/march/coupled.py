@@ -4,9 +4,10 @@ In the modes of the mesh with the springs that act, frequencies omega_i and valu
 
     q'' + D q' + omega^2 q = f(t),    D = C + sum over pressing damped stops of c_k phi_k phi_k^T.
 
-A stop that has let go has no spring here.  C is that of the problem: 2 a in each mode where damping is the same in all
-states, and a full matrix where viscous damping couples the modes, which then are coupled in all contact states; under modal damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so
-that C = S (2 a) S^T with the map S between both sets of modes.
+A stop that has let go has no spring here.  C is that of the problem.  If damping is the same in all states, it is 2 a
+of each mode, or a full matrix if viscous damping couples the modes, which then are coupled in all states.  Under modal
+damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so that C = S (2 a) S^T
+with the map S between both sets of modes.
 
 The matrix of (omega q, q') has its own eigenvalues r and eigenvectors, and a motion without loads is the real part of a
 sum of c exp(r s), with one term for each pair of complex eigenvalues and one for each real one.  Rigid-body modes are
@@ -110,8 +111,8 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
 def _amplitudes_of(vectors: ComplexArray, ring: npt.NDArray[np.bool_]) -> ComplexArray:
     """The c for which the real part of vectors @ c is given, ``(T, size)``, of ``T`` vectors, ``(size, T)``.
 
-    `ring`, ``(T,)``, says which vectors have an imaginary part.  Real and imaginary parts are columns of one real matrix:
-    in a complex inverse, two nearly equal vectors would leave errors that do not cancel in the real part.
+    `ring`, ``(T,)``, says which vectors have an imaginary part.  Real and imaginary parts are columns of one real
+    matrix: in a complex inverse, two nearly equal vectors would leave errors that do not cancel in the real part.
     """
     others = vectors.imag[:, ring]
     sizes = np.linalg.norm(others, axis=0)

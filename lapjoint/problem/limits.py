@@ -185,10 +185,10 @@ def _of_damping(joint: Structure) -> Iterator[str]:
     if isinstance(damping, ViscousDamping):
         critical = 2 * beam.m * beam.slowest_bending
         couples = joint.coupling_drag > 0
-        most, with_what = (_MOST_COUPLING, "with masses or steps of mass ") if couples else (_MOST_DAMPED, "")
+        most, beside = (_MOST_COUPLING, "with masses or steps of mass ") if couples else (_MOST_DAMPED, "")
         if not damping.coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must {with_what}be at most {most:g} times the critical "
+                f"damping.coefficient = {damping.coefficient:g}: must {beside}be at most {most:g} times the critical "
                 f"damping of the slowest bending, which is {most * critical:.2g} N s/m2"
             )
 

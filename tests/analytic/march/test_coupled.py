@@ -22,7 +22,6 @@ from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray, Problem
 from tests.helpers.damped_stops import Witnessed, random_damped_joint, witnessed
 
-
 Draw = Callable[[np.random.Generator], Problem]
 """Draws a random joint."""
 
@@ -159,10 +158,10 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     assert np.abs(scipy.linalg.expm(A * t) - it.to @ inner @ it.back).max() < 1e-9 * omega[0]
 
 
-def marched(seed: int, draw: Draw = random_damped_joint) -> tuple[Problem, Joint, Any, Witnessed]:
-    """A random joint with damped stops, its march over 2 s, and the witness's."""
+def marched(seed: int, draw: Draw, end: float) -> tuple[Problem, Joint, Any, Witnessed]:
+    """A random joint, its march to `end`, s, and the witness's."""
     rng = np.random.default_rng(seed)
-    problem, n, end = draw(rng), int(rng.integers(3, 7)), 2.0
+    problem, n = draw(rng), int(rng.integers(3, 7))
     joint = Joint(problem, n, n)
     start = started(joint)
     motion = march(joint, start, 0.0, end, depth=True)
@@ -170,9 +169,9 @@ def marched(seed: int, draw: Draw = random_damped_joint) -> tuple[Problem, Joint
     return problem, joint, motion, witnessed(joint, start.state, q, v, end)
 
 
-def check_motion(seed: int, draw: Draw = random_damped_joint) -> int:
+def check_motion(seed: int, draw: Draw = random_damped_joint, end: float = 2.0) -> int:
     """Compare a march with the witness; the number of switches that end or begin a force alone."""
-    problem, joint, motion, witness = marched(seed, draw)
+    problem, joint, motion, witness = marched(seed, draw, end)
     rows = motion.log.stop[motion.log.stop >= 0].tolist()
     indices = tuple(joint.index_of(row) for row in rows)
     assert indices == witness.indices

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import math
+from functools import cache
 
 import numpy as np
 import pytest
 
 from analytic.march import Joint
+from analytic.march.coupled import oscillators
 from analytic.solver import Solver
 from lapjoint.answers.contact_state import FREE
 from lapjoint.errors import InputError
-from lapjoint.problem import Mass, Problem, StepLoad, ViscousDamping
+from lapjoint.problem import BaseMotion, Mass, NoDamping, Problem, ViscousDamping
 from tests.analytic.march.test_coupled import check_motion, check_steady, check_tangent, flow_error
 from tests.helpers.damped_stops import random_dragged_joint
 
@@ -31,58 +32,56 @@ def test_modes_flow_as_the_matrix_exponential(seed: int) -> None:
     assert oscillators_flow(problem, int(rng.integers(3, 12)), 10 ** rng.uniform(-2, 0)) < 1e-9
 
 
-def critical_of(problem: Problem, count: int) -> float:
-    """The viscous coefficient at which one complex mode becomes critical, by halving, N s/m2."""
+@cache
+def critical() -> tuple[Problem, float]:
+    """A joint, and the viscous coefficient at which one of five complex modes becomes critical, by halving, N s/m2."""
+    problem, count = random_dragged_joint(np.random.default_rng(3)), 5
+    joint = Joint(problem.replace(damping=ViscousDamping(coefficient=1.0)), count, count)
+    omega, it = joint.modal(FREE).modes.omega, joint.coupled(FREE)
+    assert it is not None
 
-    def oscillating(C: float) -> int:
-        it = Joint(problem.replace(damping=ViscousDamping(coefficient=C)), count, count).coupled(FREE)
-        assert it is not None
-        return int(np.count_nonzero(it.roots.imag[:, 0] > 0))
+    def all_oscillate(C: float) -> bool:
+        roots = oscillators(C * it.D, np.diag(omega**2), omega)[0]
+        return bool((roots.imag[:, 0] > 0).all())
 
     low, high = 0.1, 100.0
-    assert oscillating(low) == count > oscillating(high)
-    while high - low > 1e-15 * high and low < (low + high) / 2 < high:
-        middle = (low + high) / 2
-        low, high = (middle, high) if oscillating(middle) == count else (low, middle)
-    return high
+    assert all_oscillate(low)
+    assert not all_oscillate(high)
+    while low < (low + high) / 2 < high:
+        low, high = ((low + high) / 2, high) if all_oscillate((low + high) / 2) else (low, (low + high) / 2)
+    return problem, high
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, 1e-6, -1e-3])
 def test_flow_at_and_near_a_double_root(apart: float) -> None:
-    problem = random_dragged_joint(np.random.default_rng(3))
-    C = critical_of(problem, 5) * (1 + apart)
-    assert oscillators_flow(problem.replace(damping=ViscousDamping(coefficient=C)), 5, 0.5) < 1e-9
+    problem, C = critical()
+    assert oscillators_flow(problem.replace(damping=ViscousDamping(coefficient=C * (1 + apart))), 5, 0.5) < 1e-9
 
 
 def test_motions_switch_where_brute_force_finds_it() -> None:
-    for seed in range(3):
-        check_motion(seed, random_dragged_joint)
+    check_motion(5, random_dragged_joint, 0.7)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 110))
+@pytest.mark.parametrize("seed", range(110))
 def test_many_motions_switch_where_brute_force_finds_it(seed: int) -> None:
     check_motion(seed, random_dragged_joint)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [1])
 def test_deviations_travel_as_finite_differences(seed: int) -> None:
     check_tangent(seed, random_dragged_joint)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2, 60))
+@pytest.mark.parametrize("seed", [0, *range(2, 60)])
 def test_many_deviations_travel_as_finite_differences(seed: int) -> None:
     check_tangent(seed, random_dragged_joint)
 
 
-def test_a_certified_motion_stays() -> None:
-    assert sum(check_steady(seed, random_dragged_joint) for seed in range(2)) >= 1
-
-
 @pytest.mark.slow
 def test_certified_motions_stay() -> None:
-    assert sum(check_steady(seed, random_dragged_joint) for seed in range(2, 82)) >= 60
+    assert sum(check_steady(seed, random_dragged_joint) for seed in range(82)) >= 60
 
 
 @pytest.mark.parametrize("mass", [1e-12, 1e-9, 1e-6])
@@ -135,5 +134,30 @@ def test_what_coupling_drag_does_not_reach_is_refused() -> None:
     problem = random_dragged_joint(np.random.default_rng(0))
     with pytest.raises(InputError, match=r'damping\.kind = "viscous": branches need beams without masses'):
         _ = Solver(n_modes=3).period_map(problem).arcs
-    assert math.isfinite(Solver(n_modes=3).period_map(problem).lowest_damping_rate)
-    assert StepLoad in {type(load) for load in problem.point_loads}
+    record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}
+    shaken = problem.model_dump() | {"base_motion": None, "point_loads": [record], "stops": []}
+    with pytest.raises(InputError, match=r'damping\.kind = "viscous": .*and not records or random motion'):
+        Solver(n_modes=3).simulate(Problem.model_validate(shaken), 0.3)
+
+
+def test_the_lowest_damping_rate_is_that_of_the_slowest_complex_mode() -> None:
+    problem = random_dragged_joint(np.random.default_rng(0)).replace(damping=ViscousDamping(coefficient=0.2))
+    solver, joint = Solver(n_modes=8), Joint(random_dragged_joint(np.random.default_rng(0)), 8, 8)
+    omega, it = joint.modal(FREE).modes.omega, Joint(problem, 8, 8).coupled(FREE)
+    assert it is not None
+    roots = np.linalg.eigvals(np.block([[np.zeros((8, 8)), np.eye(8)], [-np.diag(omega**2), -it.D]]))
+    assert (roots.imag != 0).all()
+    assert solver.period_map(problem).lowest_damping_rate == pytest.approx(float(-roots.real.max()), rel=1e-9)
+
+
+def test_undamped_modes_keep_away_from_a_load_of_their_frequency() -> None:
+    problem = random_dragged_joint(np.random.default_rng(2)).replace(stops=())
+    omega = float(Solver().modes(problem, count=1).angular_frequencies[0])
+    problem = problem.replace(base_motion=BaseMotion(amplitude=0.01, angular_frequency=omega))
+    dampings = (NoDamping(), ViscousDamping(coefficient=1e-30), ViscousDamping(coefficient=1e-13))
+    z = [
+        Solver(n_modes=8).simulate(problem.replace(damping=it), 20.0, errors=False).displacement(1.0, 19.7).item()
+        for it in dampings
+    ]
+    assert z[1] == pytest.approx(z[0], rel=1e-6)
+    assert z[2] == pytest.approx(z[0], rel=1e-6)
