@@ -36,6 +36,7 @@ _MODULES = {
     "ledger": "ledger",
     "textbook": "textbook",
     "masses-and-steps": "masses_and_steps",
+    "dragged-masses": "dragged_masses",
     "table4": "table4",
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",

@@ -1,13 +1,14 @@
-r"""Contact states in which a damped stop is closed: their modes are coupled, and are turned into oscillators again.
+r"""Contact states whose damping couples the modes, which are turned into oscillators again.
 
 In the modes of the closed stops, of frequencies omega_i and values phi_ik at stop k, the motion obeys
 
     q'' + D q' + K q = f(t),
-    D = diag(2 zeta_i omega_i) + sum over pressing stops of c_k phi_k phi_k^T,
-    K = diag(omega_i^2)        - sum over released stops of k_k phi_k phi_k^T,
+    D = D_0             + sum over pressing stops of c_k phi_k phi_k^T,
+    K = diag(omega_i^2) - sum over released stops of k_k phi_k phi_k^T,
 
-because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  The
-shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
+because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  D_0 is
+diag(2 zeta_i omega_i), or the matrix of `analytic.march.drag` where viscous damping couples the modes of all states.
+The shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
 
 Each pair of roots lambda of the homogeneous equation is one oscillator.  With the amplitude a(t) of its eigenvector,
 P = Re a and V = P' obey P'' - 2 Re(lambda) P' + |lambda|^2 P = F(t), and
@@ -29,9 +30,17 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from analytic.march.drag import Drag
 from analytic.march.loads import Harmonics
 from analytic.march.modal_state import ModalState
-from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
+from analytic.march.oscillator import (
+    OSCILLATING,
+    SPLIT,
+    all_away_from_resonance,
+    kinds_of,
+    may_resonate,
+    static_answer,
+)
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
@@ -63,6 +72,8 @@ class Coupled:
     """r of each load, kg^1/2 m/s, shape ``(1 + H, N)``."""
     push: ComplexArray
     """F of each load, kg^1/2 m/s^2, shape ``(1 + H, N)``."""
+    D: FloatArray
+    """The damping matrix of the modes, 1/s, shape ``(N, N)``."""
 
     @property
     def damping(self) -> FloatArray:
@@ -91,8 +102,8 @@ def force_rows(problem: Problem) -> IntArray:
 
 
 def is_coupled(problem: Problem, state: ContactState) -> bool:
-    """Whether a damped stop is closed."""
-    return any(problem.structure.stops[k].damping > 0 for k in state.closed)
+    """Whether a damped stop is closed, or viscous damping couples the modes of every state."""
+    return problem.structure.coupling_drag > 0 or any(problem.structure.stops[k].damping > 0 for k in state.closed)
 
 
 def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
@@ -142,12 +153,14 @@ def _of_stiff(
         v = V[:, j] / np.linalg.norm(V[:n, j] / scale)
         q = v[:n] / scale
         v = v * np.exp(-0.5j * np.angle(np.sum(q * q)))
+        v = v * np.sign(v.real[np.argmax(np.abs(v.real[:n]))])  # neighbouring problems share the sign
         a, b = w[j].real, w[j].imag
         columns.append((w[j], w[j].conjugate(), v.real - a / b * v.imag, v.imag / b))
     real = np.flatnonzero(w.imag == 0)
     real = real[np.argsort(-w[real].real)]
     for i, j in zip(real[: real.size // 2], real[real.size // 2 :], strict=True):
         one, other = (V[:, k].real / np.linalg.norm(V[:n, k].real / scale) for k in (i, j))
+        one = one * np.sign(one[np.argmax(np.abs(one[:n]))])
         other = other if one[:n] @ (other[:n] / scale**2) >= 0 else -other
         first, second = w[i].real, w[j].real
         columns.append(
@@ -169,17 +182,23 @@ def coupled(
     left_out: FloatArray,
     sizes: FloatArray,
     harmonics: Harmonics,
+    drag: Drag | None,
+    side: float,
 ) -> Coupled:
     """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
 
-    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
+    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `drag` is given where
+    viscous damping couples the modes.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
     """
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.line.EI / problem.line.m) / problem.line.length**2)
     K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
     turning = np.concatenate([[0.0], 1j * harmonics.omega])
-    pressing = np.zeros((n, n))
+    coupling = np.zeros((n, n))
+    if drag is not None:
+        coupling += drag.D
+        f -= turning[:, None] * drag.left_out * sizes[:, None]
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]
         if k in state.released:
@@ -187,21 +206,34 @@ def coupled(
             f += stop.stiffness * np.outer(left_out[:, k], phi)
             f[0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
-            pressing += stop.damping * np.outer(phi, phi)
+            coupling += stop.damping * np.outer(phi, phi)
             f -= stop.damping * np.outer(turning * left_out[:, k], phi)
     own = np.diag(2 * modal.damping_rate)
     for i in range(_TRIES):
         more = _LITTLE * 2**i if i else 0.0
-        roots, to, back = oscillators(own + pressing * (1 + more), K, scale)
+        roots, to, back = oscillators(own + coupling * (1 + more), K, scale)
         if i == 0:
             best = roots, to, back
         if _condition(to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
-    roots, to, back = best
+    roots, to, back = _detuned(best[0], harmonics.omega, side), *best[1:]
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
-    return Coupled(roots, kinds_of(roots), to, back, lag, push)
+    return Coupled(roots, kinds_of(roots), to, back, lag, push, own + coupling)
+
+
+def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
+    """Roots, ``(N, 2)``, of which those without damping are kept away from the loads' frequencies, rad/s, ``(H,)``."""
+    rings = np.flatnonzero(roots.imag[:, 0] > 0)
+    natural, rate = np.abs(roots[rings, 0]), -roots[rings, 0].real
+    if not may_resonate(natural, rate):
+        return roots
+    moved = all_away_from_resonance(natural, rate, driven, side)
+    found, which = roots.copy(), moved != natural
+    turn = 1j * np.sqrt(moved[which] ** 2 - rate[which] ** 2)
+    found[rings[which]] = np.stack([turn, -turn], axis=1) - rate[which, None]
+    return found
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:

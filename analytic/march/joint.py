@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from analytic.march.coupled import Coupled, coupled, force_rows, is_coupled, write_coupled
+from analytic.march.drag import drag_of
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
@@ -91,9 +92,15 @@ class Joint:
         """See `analytic.march.loads.Excitation`."""
         self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
         """Number of sampled loads."""
-        self.damped = self.loaded.damped
-        """Whether a stop is damped."""
-        self._coupled: dict[ContactState, Coupled] = {}
+        drag = self.loaded.problem.structure.coupling_drag
+        self.damped = drag > 0 or self.loaded.damped
+        """Whether damping couples the modes of a state; see `analytic.march.coupled`."""
+        self._coupled: dict[tuple[ContactState, int], Coupled] = {}
+        if drag > 0 and self.sampled:
+            raise InputError(
+                'damping.kind = "viscous": with masses, or a mass per length that changes, the analytic solver takes '
+                "harmonic and constant forces, and not records or random motion"
+            )
         if self.damped and self.sampled:
             k = next(k for k, stop in enumerate(self.loaded.problem.structure.stops) if stop.damping > 0)
             raise InputError(
@@ -141,18 +148,26 @@ class Joint:
 
     def left_out(self, state: ContactState) -> FloatArray:
         """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
-        return np.asarray((self.modal(state).residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+        return self._seen_beside(self.modal(state))
 
-    def coupled(self, state: ContactState) -> Coupled | None:
-        """The oscillators of a state in which a damped stop is closed; None of any other state."""
+    def _seen_beside(self, modal: ModalState) -> FloatArray:
+        """`left_out` of a state in modal form."""
+        return np.asarray((modal.residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+
+    def coupled(self, state: ContactState, count: int | None = None) -> Coupled | None:
+        """The oscillators of a state whose modes are coupled, of its own or another `count` of modes; None of any
+        other state."""
         if not self.damped or not is_coupled(self.loaded.problem, state):
             return None
-        found = self._coupled.get(state)
+        count = count or self.count(state)
+        found = self._coupled.get((state, count))
         if found is None:
-            made = coupled(
-                self.loaded.problem, state, self.modal(state), self.left_out(state), self.sizes, self.harmonics
-            )
-            found = self._coupled[state] = made
+            closed, drag = ContactState(state.closed), None
+            modal = modal_state(self.loaded, closed, count)
+            if self.loaded.problem.structure.coupling_drag > 0:
+                drag = drag_of(self.loaded, closed, count)
+            arrays = self._seen_beside(modal), self.sizes, self.harmonics, drag, self.side
+            found = self._coupled[state, count] = coupled(self.loaded.problem, state, modal, *arrays)
         return found
 
     def residual(self, state: ContactState) -> Residual:
@@ -218,9 +233,11 @@ class Joint:
         y[q.size :] += it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
         return y[: q.size], y[q.size :]
 
-    def in_modes(self, state: ContactState, P: FloatArray, V: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
-        """The inverse of `from_modes`."""
-        it = self.coupled(state)
+    def in_modes(
+        self, state: ContactState, P: FloatArray, V: FloatArray, t: float, count: int | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The inverse of `from_modes`, in a state with its own or another `count` of modes."""
+        it = self.coupled(state, count)
         if it is None:
             return P, V
         lag = it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag

@@ -58,7 +58,7 @@ class LoadedStructure:
     @cached_property
     def damped(self) -> bool:
         """Whether a stop is damped."""
-        return any(stop.damping > 0 for stop in self.problem.stops)
+        return any(stop.damping > 0 for stop in self.problem.structure.stops)
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)

@@ -337,12 +337,13 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     damped = [k for k, stop in enumerate(problem.structure.stops) if stop.damping > 0]
+    may_couple = bool(damped) or problem.structure.coupling_drag > 0
     rows = [*problem.structure.stops, *(problem.structure.stops[k] for k in damped)]
     places = int(position.max(initial=-1)) + 1
     position = np.concatenate([position, places + np.arange(len(damped))])
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
     S, N, T = slots, size, 2 * size
-    (V, M), own = (U, N) if damped else (0, 0), len(problem.structure.stops)
+    (V, M), own = (U, N) if may_couple else (0, 0), len(problem.structure.stops)
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -364,7 +365,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         own=np.zeros(S, dtype=np.int64),
         twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
-        push=np.zeros((S, 1 + H if damped else 0, M), dtype=complex),
+        push=np.zeros((S, 1 + H if may_couple else 0, M), dtype=complex),
         next_slot=np.full((S, P), -1, dtype=np.int64),
         passage=np.full((S, P), -1, dtype=np.int64),
         carry=np.zeros((switches, N, N)),
@@ -377,7 +378,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         position=position,
         sign=np.array([stop.sign for stop in rows], dtype=float),
         gap=np.array([stop.gap for stop in rows], dtype=float),
-        owner=np.array([-1] * own + damped if damped else [], dtype=np.int64),
+        owner=np.array([-1] * own + damped if may_couple else [], dtype=np.int64),
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )

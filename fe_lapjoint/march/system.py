@@ -6,7 +6,8 @@ with the springs of the closed stops in K and their k gap in f0.  Stops fixed in
 each wave of y is a further harmonic load, by which closed ones push with -k y and which the gap functions of all of
 them see as y beside z.  The modes of one mesh span all of its degrees of
 freedom, so nothing is lost between states: q_new = Phi_new^T M Phi_old q_old exactly.  Under modal damping every
-mode of the state has its ratio; under viscous damping C = (C / m) M.
+mode of the state has its ratio; under viscous damping C = (C / m) M where all inertia is one mass per length m, and
+elsewhere the modes are coupled, see `fe_lapjoint.march.coupled`.
 """
 
 from __future__ import annotations
@@ -64,7 +65,8 @@ class System:
     vectors: FloatArray
     """Mass-normalised modes as columns over the free degrees of freedom, kg^-1/2, shape ``(n, n)``."""
     damping_rate: FloatArray
-    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
+    """Damping rate zeta omega of each mode, or half its entry on the diagonal of a damping matrix, 1/s, shape
+    ``(n,)``."""
     constant: FloatArray
     """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
     harmonic: FloatArray
@@ -337,7 +339,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
     harmonic, driven, seen = _harmonic_loads(assembly, state, vectors, problem)
-    damping_rate = _damping_rates(assembly, omega)
+    damping_rate = _damping_rates(assembly, omega, vectors)
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
@@ -415,10 +417,18 @@ def _modal_ramps(assembly: Assembly, vectors: FloatArray) -> ModalRamps | None:
     return ModalRamps(forces.ramps, vectors.T @ np.stack([assembly.load(it.shape) for it in forces.sampled], axis=1))
 
 
-def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:
-    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
-    damping = assembly.problem.damping
+def drag_on(assembly: Assembly, vectors: FloatArray) -> FloatArray | None:
+    """The damping matrix, 1/s, ``(n, n)``, of modes that viscous damping couples; None where it does not."""
+    C = assembly.problem.structure.coupling_drag
+    return C * (vectors.T @ assembly.drag @ vectors) if C > 0 else None
+
+
+def _damping_rates(assembly: Assembly, omega: FloatArray, vectors: FloatArray) -> FloatArray:
+    """See `System.damping_rate`."""
+    damping, drag = assembly.problem.damping, drag_on(assembly, vectors)
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
+    if drag is not None:
+        return np.asarray(np.diag(drag) / 2)
     coefficient = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
     return np.full(omega.size, coefficient / (2 * assembly.problem.line.m))

@@ -114,6 +114,16 @@ class Assembly:
                 M += size * np.outer(row, row)
         return np.asarray(M)
 
+    @cached_property
+    def drag(self) -> FloatArray:
+        """Integrals of products of shape functions along the beam, m, ``(n, n)``: a viscous force of 1 N s/m2."""
+        L, unit = self.problem.line.length, unit_element()[1]
+        drag = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
+        for e, h in enumerate(np.diff(self.nodes)):
+            here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
+            drag[here, here] += h * unit * np.outer(scale, scale)
+        return np.asarray(drag[np.ix_(self.free, self.free)])
+
     def load(self, shape: LoadShape) -> FloatArray:
         """The load vector, ``(n,)``, of a load of size 1; read-only."""
         if shape not in self._loads:

@@ -45,6 +45,9 @@ _STEEPEST = 1e9
 elements is singular to rounding."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
+_MOST_COUPLING = 1e4
+"""Largest viscous damping, in units of the critical one, that couples the modes: the slowest decay keeps seven digits
+there, and loses two with each factor of ten."""
 _MOST_IN_STOP = 1e4
 """Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
 stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
@@ -63,7 +66,7 @@ def faults_of_size(problem: Problem, joint: Structure) -> Iterator[str]:
         yield from _stated(f"stops[{i}].damping", stop.damping, "N s/m")
     yield from _of_places(problem, joint)
     yield from _of_stiffness(problem, joint)
-    yield from _of_damping(problem, joint)
+    yield from _of_damping(joint)
     yield from faults_of_excitation(excitation)
     yield from _of_initial_state(problem, line)
 
@@ -207,8 +210,8 @@ def _piece_path(line: Line, number: int) -> str:
     raise AssertionError(number)
 
 
-def _of_damping(problem: Problem, joint: Structure) -> Iterator[str]:
-    """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
+def _of_damping(joint: Structure) -> Iterator[str]:
+    """Damping too large for double precision to hold the slower of two decay rates."""
     damping, line = joint.damping, joint.line
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
@@ -217,16 +220,13 @@ def _of_damping(problem: Problem, joint: Structure) -> Iterator[str]:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
-        if joint.masses or any(piece.inertia != line.pieces[0].inertia for piece in line.pieces):
-            yield (
-                'damping.kind = "viscous": masses, or a mass per length that changes, make this damping couple the '
-                'modes; allowed with them are "modal" and "none"'
-            )
         critical = 2 * line.m * line.slowest_bending
-        if not damping.coefficient <= _MOST_DAMPED * critical:
+        couples = joint.coupling_drag > 0
+        most, beside = (_MOST_COUPLING, "with masses or steps of mass ") if couples else (_MOST_DAMPED, "")
+        if not damping.coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must be at most {_MOST_DAMPED:g} times the critical "
-                f"damping of the slowest bending, which is {_MOST_DAMPED * critical:.2g} N s/m2"
+                f"damping.coefficient = {damping.coefficient:g}: must {beside}be at most {most:g} times the critical "
+                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2"
             )
 
 

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from lapjoint.problem.damping import Damping
+from lapjoint.problem.damping import Damping, ViscousDamping
 from lapjoint.problem.line import Line
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
@@ -96,6 +96,16 @@ class Structure:
         start, length = self.line.starts[i], self.line.beams[i].length
         found[2 * i : 2 * i + 2] = (0.0, 1.0) if derivative else (1.0, (x - start) / length)
         return found
+
+    @cached_property
+    def coupling_drag(self) -> float:
+        """The viscous coefficient C, N s/m2, where it couples the modes, else 0.
+
+        Its force is proportional to the velocity, and couples no modes, where all inertia is one mass per length.
+        """
+        pieces = self.line.pieces
+        even = not self.masses and all(piece.inertia == pieces[0].inertia for piece in pieces)
+        return self.damping.coefficient if isinstance(self.damping, ViscousDamping) and not even else 0.0
 
     def __reduce__(self) -> tuple[object, ...]:
         return structure_of, (self.line, self.supports, self.stops, self.damping, self.masses, self.links)

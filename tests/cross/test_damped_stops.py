@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 import analytic
 import fe_lapjoint
 from lapjoint.answers import Contact
+from lapjoint.problem import Problem
 from tests.helpers.damped_stops import random_damped_joint
 
+Draw = Callable[[np.random.Generator], Problem]
+"""Draws a random joint."""
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=14, max_periods=1500),
     fe_lapjoint.Solver(elements=12, max_periods=1500),
@@ -23,9 +28,9 @@ FAR = 10.0  # times what the errors allow: so far off is none
 MOST_MISSED = 0.05  # of all numbers; stated errors are to cover 19 of 20
 
 
-def differences(seed: int) -> list[float]:
+def differences(seed: int, draw: Draw) -> list[float]:
     """Differences of the first contacts of a random joint, over what the stated errors allow."""
-    problem = random_damped_joint(np.random.default_rng(seed))
+    problem = draw(np.random.default_rng(seed))
     every = [solver.simulate(problem, DURATION).contacts for solver in SOLVERS]
     size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
     one, other = ([c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every)
@@ -43,9 +48,9 @@ def _times(a: Contact, b: Contact, what: str, rounding: float) -> float:
     return float(abs(getattr(a, what) - getattr(b, what)) / (MARGIN * sum(errors) + rounding))
 
 
-def check_contacts(seeds: range, least: int) -> None:
+def check_contacts(seeds: range, least: int, draw: Draw = random_damped_joint) -> None:
     """Fail unless nearly all numbers agree."""
-    found = {seed: differences(seed) for seed in seeds}
+    found = {seed: differences(seed, draw) for seed in seeds}
     numbers = np.array([number for each in found.values() for number in each])
     missed = {seed: each for seed, each in found.items() if max(each, default=0.0) > 1}
     assert numbers.size >= least
@@ -62,9 +67,9 @@ def test_first_contacts_of_many_joints() -> None:
     check_contacts(range(10, 50), 80)
 
 
-def steady_differences(seed: int) -> list[float] | None:
+def steady_differences(seed: int, draw: Draw) -> list[float] | None:
     """Differences of the impulses of a random joint's steady state, over what the stated errors allow."""
-    problem = random_damped_joint(np.random.default_rng(seed))
+    problem = draw(np.random.default_rng(seed))
     a, b = (solver.steady_state(problem) for solver in SOLVERS)
     if not (a.period_multiple and a.period_multiple == b.period_multiple):
         return None
@@ -73,9 +78,14 @@ def steady_differences(seed: int) -> list[float] | None:
     return (np.abs(a.impulses - b.impulses) / allowed).tolist()
 
 
-@pytest.mark.slow
-def test_steady_states_agree() -> None:
-    found = {seed: steady_differences(seed) for seed in range(20)}
+def check_steady(seeds: range, draw: Draw) -> None:
+    """Fail unless nearly all impulses of steady states agree."""
+    found = {seed: steady_differences(seed, draw) for seed in seeds}
     numbers = np.array([number for each in found.values() if each is not None for number in each])
     assert numbers.size >= 20
     assert np.count_nonzero(numbers > 1) <= MOST_MISSED * numbers.size, found
+
+
+@pytest.mark.slow
+def test_steady_states_agree() -> None:
+    check_steady(range(20), random_damped_joint)

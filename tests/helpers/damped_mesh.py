@@ -10,7 +10,7 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.mesh import mesh_nodes
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import Beam, BeamSegment, FloatArray, Mass, Problem, ViscousDamping
 from tests.helpers.damped_stops import random_damped_joint
 
 
@@ -37,8 +37,11 @@ class MeshForWitness:
             at_stops=system.stops,
             force=np.concatenate([system.constant[None], system.harmonic.T]),
             residual_at_stops=np.concatenate([np.zeros((1, system.place_of.size)), system.seen[system.place_of].T]),
-            modes=SimpleNamespace(omega=system.omega),
-            damping_rate=system.damping_rate,
+            modes=SimpleNamespace(
+                omega=system.omega, shapes=lambda x: system.vectors.T @ self.model.assembly.shapes(x, 0).T
+            ),
+            residual=lambda x: np.zeros((1 + system.driven.size, x.size)),
+            damping_rate=system.damping_rate * (not self.model.drags),
         )
 
     def passage(self, old: ContactState, new: ContactState) -> SimpleNamespace:
@@ -56,3 +59,29 @@ def random_damped_mesh(rng: np.random.Generator) -> Model:
     problem = random_damped_joint(rng)
     stops = [stop.model_copy(update={"x": 0.5 if stop.x < 0.65 else 1.0}) for stop in problem.stops]
     return model_of(problem.replace(stops=tuple(stops)), 2)
+
+
+def random_dragged_mesh(rng: np.random.Generator) -> Model:
+    """The same with a step, a mass or both, under viscous damping, which couples its modes."""
+    problem, kind = random_damped_mesh(rng).problem, rng.integers(3)
+    (e, f), (m, n) = 10 ** rng.uniform(-0.5, 0.5, (2, 2))
+    stepped = Beam(
+        length=1.0,
+        segments=(
+            BeamSegment(to=0.5, bending_stiffness=float(e), mass_per_length=float(m)),
+            BeamSegment(to=1.0, bending_stiffness=float(f), mass_per_length=float(n)),
+        ),
+    )
+    mass = Mass(x=float(rng.choice([0.5, 1.0])), mass=float(10 ** rng.uniform(-1.5, 0.5)), rotary_inertia=1e-3)
+    stops = problem.stops
+    if rng.random() < 0.5:
+        stops = tuple(stop.model_copy(update={"damping": 0.0, "may_pull": False}) for stop in stops)
+    return model_of(
+        problem.replace(
+            beam=problem.beam if kind == 1 else stepped,
+            masses=() if kind == 0 else (mass,),
+            stops=stops,
+            damping=ViscousDamping(coefficient=float(10 ** rng.uniform(-1, 1))),
+        ),
+        2,
+    )

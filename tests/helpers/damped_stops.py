@@ -1,7 +1,8 @@
-"""A motion with damped stops by brute force: the modes of the closed stops, with the force law as it is written.
+"""A motion with coupled modes by brute force: the modes of the closed stops, with the force law as it is written.
 
 The spring of a closed stop is part of the modes.  What the force law differs by from that spring is an external force
-on the modes here: no mode is coupled, no oscillator is formed, and the switches come from scipy's event search.
+on the modes here, and so is viscous damping beside masses and steps, whose work on each mode is a quadrature along the
+beam: no mode is coupled, no oscillator is formed, and the switches come from scipy's event search.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from scipy.integrate import solve_ivp
 from analytic.march.joint import Joint
 from analytic.march.loads import MOVED_STOPS
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import Beam, BeamSegment, FloatArray, Mass, Problem, ViscousDamping
 
 _TURN = 0.3  # most that the fastest mode turns in a step, rad, so that no event is stepped over
 _SOON = 1e-9  # s: by which a stop is looked at again that truncation left beyond its switch
@@ -77,6 +78,31 @@ def random_damped_joint(rng: np.random.Generator) -> Problem:
     )
 
 
+def random_dragged_joint(rng: np.random.Generator) -> Problem:
+    """A cantilever of `random_damped_joint` with masses, steps or both, under viscous damping, which couples its modes.
+
+    The damping of the lowest modes is from light to above critical; every second joint has no damped stop.
+    """
+    joint, segments, masses = random_damped_joint(rng), (), []
+    kind = rng.integers(3)
+    if kind != 1:
+        cuts = [*np.sort(rng.choice(np.arange(2, 19), int(rng.integers(1, 3)), replace=False)) / 20, 1.0]
+        EI, m = 10 ** rng.uniform(-0.5, 0.5, len(cuts)), 10 ** rng.uniform(-0.5, 0.5, len(cuts))
+        parts = zip(map(float, cuts), EI.tolist(), m.tolist(), strict=True)
+        segments = tuple(BeamSegment(to=to, bending_stiffness=e, mass_per_length=d) for to, e, d in parts)
+    if kind != 0:
+        for _ in range(int(rng.integers(1, 3))):
+            size = float(10 ** rng.uniform(-1.5, 0.5))
+            place = 1.0 if rng.random() < 0.5 else float(rng.uniform(0.2, 1))
+            masses.append(Mass(x=place, mass=size, rotary_inertia=size * float(rng.uniform(0, 0.02))))
+    beam = Beam(length=1.0, segments=segments) if segments else joint.beam
+    stops = joint.stops
+    if rng.random() < 0.5:
+        stops = tuple(stop.model_copy(update={"damping": 0.0, "may_pull": False}) for stop in stops)
+    damping = ViscousDamping(coefficient=float(10 ** rng.uniform(-1, 1)))
+    return joint.replace(beam=beam, masses=tuple(masses), stops=stops, damping=damping)
+
+
 class _State:
     """The motion in one contact state: rates of (q, v, impulses, energies), and the functions that end it."""
 
@@ -93,6 +119,13 @@ class _State:
         self._closed = np.array([i in state for i in range(len(stops))])
         self._acts = self._closed & np.array([i not in state.released for i in range(len(stops))])
         self._natural, self._rate = modal.modes.omega, modal.damping_rate
+        x, weights = _quadrature(joint.problem)
+        shapes, rest = modal.modes.shapes(x), modal.residual(x) * joint.sizes[:, None]
+        damping = joint.problem.damping
+        drag = weights * (damping.coefficient if isinstance(damping, ViscousDamping) else 0.0)
+        if not joint.problem.masses and len(joint.problem.beam.pieces) == 1:
+            drag = 0.0 * drag  # the damping rates of the modes are all of it
+        self._drag, self._drag_of_loads = (shapes * drag) @ shapes.T, (rest * drag) @ shapes.T
         self.pulls = np.array([stop.may_pull for stop in stops])
         self.fastest = max([self._natural.max(), *joint.harmonics.omega])
         force = [~i for i, stop in enumerate(stops) if stop.damping > 0 and self._closed[i] and not stop.may_pull]
@@ -113,6 +146,8 @@ class _State:
         force = force + (self._sign * (np.where(self._closed, self._k * d, 0.0) - F)) @ self._phi
         q, v = y[: self.n], y[self.n : 2 * self.n]
         lost = np.where(self.pulls, F, np.maximum(F, 0.0)) * d1
+        omega = self._joint.harmonics.omega
+        force = force - (omega * np.cos(self._joint.harmonics.theta(t))) @ self._drag_of_loads[1:] - self._drag @ v
         return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
 
     def gap_function(self, index: int, t: float, y: FloatArray) -> float:
@@ -131,6 +166,15 @@ class _State:
 
         event.terminal, event.direction = True, 1.0  # type: ignore[attr-defined]
         return event
+
+
+def _quadrature(problem: Problem) -> tuple[FloatArray, FloatArray]:
+    """Gauss points along the beam and their weights, m, on panels that no mass, stop, load or step divides."""
+    parts = [it.x for it in (*problem.masses, *problem.stops, *problem.point_loads)]
+    edges = np.unique([*np.linspace(0, problem.beam.length, 17), *parts, *(it.end for it in problem.beam.pieces)])
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    half = np.diff(edges)[:, None] / 2
+    return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
 
 
 def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, end: float) -> Witnessed:

@@ -238,4 +238,28 @@ PARTS = (
         old="problem.forces.constant",
         new="problem.forces.constant[:-1]",
     ),
+    Fault(
+        "drag-beside-masses-as-uniform",
+        "a case forgotten",
+        "lapjoint:Structure.coupling_drag",
+        "Viscous damping is taken as proportional to the inertia also where masses sit on a uniform beam.",
+        old="not self.masses and all(...)",
+        new="all(...)",
+    ),
+    Fault(
+        "analytic-drag-couples-nothing",
+        "a term dropped",
+        "analytic:coupled",
+        "Viscous damping beside masses and steps damps every mode alone.",
+        old="drag.D",
+        new="np.diag(np.diag(drag.D))",
+    ),
+    Fault(
+        "fe-drag-without-length",
+        "a factor",
+        "fe_lapjoint:Assembly.drag",
+        "Viscous damping beside masses and steps is the same for short and long elements.",
+        old="h * unit",
+        new="unit",
+    ),
 )

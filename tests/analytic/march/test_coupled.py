@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,9 @@ from lapjoint.errors import InputError
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray, Problem
 from tests.helpers.damped_stops import Witnessed, random_damped_joint, witnessed
+
+Draw = Callable[[np.random.Generator], Problem]
+"""Draws a random joint."""
 
 
 def pinned_bar(damping: float, may_pull: bool = False, stiffness: float = 100.0, force: float = -10.0) -> Problem:
@@ -154,10 +158,10 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     assert np.abs(scipy.linalg.expm(A * t) - it.to @ inner @ it.back).max() < 1e-9 * omega[0]
 
 
-def marched(seed: int) -> tuple[Problem, Joint, Any, Witnessed]:
-    """A random joint with damped stops, its march over 2 s, and the witness's."""
+def marched(seed: int, draw: Draw, end: float) -> tuple[Problem, Joint, Any, Witnessed]:
+    """A random joint, its march to `end`, s, and the witness's."""
     rng = np.random.default_rng(seed)
-    problem, n, end = random_damped_joint(rng), int(rng.integers(3, 7)), 2.0
+    problem, n = draw(rng), int(rng.integers(3, 7))
     joint = Joint(problem, n, n)
     start = started(joint)
     motion = march(joint, start, 0.0, end, depth=True)
@@ -165,9 +169,9 @@ def marched(seed: int) -> tuple[Problem, Joint, Any, Witnessed]:
     return problem, joint, motion, witnessed(joint, start.state, q, v, end)
 
 
-def check_motion(seed: int) -> int:
+def check_motion(seed: int, draw: Draw = random_damped_joint, end: float = 2.0) -> int:
     """Compare a march with the witness; the number of switches that end or begin a force alone."""
-    problem, joint, motion, witness = marched(seed)
+    problem, joint, motion, witness = marched(seed, draw, end)
     rows = motion.log.stop[motion.log.stop >= 0].tolist()
     indices = tuple(joint.index_of(row) for row in rows)
     assert indices == witness.indices
@@ -203,10 +207,10 @@ def test_many_motions_switch_where_brute_force_finds_it(seed: int) -> None:
     check_motion(seed)
 
 
-def check_tangent(seed: int) -> None:
+def check_tangent(seed: int, draw: Draw = random_damped_joint) -> None:
     """Compare the derivative of a march over 1.2 s with central differences of fourth order."""
     rng = np.random.default_rng(seed)
-    problem, n = random_damped_joint(rng), int(rng.integers(2, 7))
+    problem, n = draw(rng), int(rng.integers(2, 7))
     joint = Joint(problem, n, n)
     first = march(joint, started(joint), 0.0, 0.3).end
     start, end = Coordinates(first.state, first.q, first.v), 1.2
@@ -242,10 +246,10 @@ def test_many_deviations_travel_as_finite_differences(seed: int) -> None:
     check_tangent(seed)
 
 
-def check_steady(seed: int) -> bool:
+def check_steady(seed: int, draw: Draw = random_damped_joint) -> bool:
     """Whether a random joint comes to a certified motion; one that does is still there 60 decay times later."""
     rng = np.random.default_rng(seed)
-    problem, n = random_damped_joint(rng), int(rng.integers(4, 9))
+    problem, n = draw(rng), int(rng.integers(4, 9))
     solver = Solver(n_modes=n, max_periods=2000)
     found = solver.steady_state(problem, errors=False)
     if not found.period_multiple:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from lapjoint.problem import FloatArray, Problem
 from tests.helpers.damped_mesh import MeshForWitness, model_of, random_damped_mesh
 from tests.helpers.damped_stops import random_damped_joint, witnessed
 
+Draw = Callable[[np.random.Generator], Model]
+"""Draws a random joint on a mesh."""
 BEGIN = 0.3  # s: when deviations begin, after a motion that has met its stops
 
 
@@ -140,9 +143,9 @@ def test_a_bar_on_a_pin_moves_as_its_closed_form(damping: float, may_pull: bool,
     assert motion.evaluate(1.0, 1.0)[0, 0] == pytest.approx(z, abs=2e-4)
 
 
-def check_motion(seed: int, end: float = 2.0) -> int:
+def check_motion(seed: int, end: float = 2.0, draw: Draw = random_damped_mesh) -> int:
     """Compare a march to `end`, s, with the witness; the number of switches that end or begin a force alone."""
-    model = random_damped_mesh(np.random.default_rng(seed))
+    model = draw(np.random.default_rng(seed))
     problem, state, P = model.problem, initial_state(model), len(model.problem.stops)
     y = initial_coordinates(model.assembly, model.system(state))
     motion, mesh = march(model, state, y, 0.0, end), MeshForWitness(model)
@@ -187,9 +190,9 @@ def marched(model: Model, state: ContactState, y: FloatArray, end: float) -> tup
     return motion.y, [piece.switched for piece in motion.pieces if piece.switched >= 0]
 
 
-def check_tangent(seed: int) -> None:
+def check_tangent(seed: int, draw: Draw = random_damped_mesh) -> None:
     """Compare the derivative of a march over 1.2 s with central differences of fourth order."""
-    model = random_damped_mesh(np.random.default_rng(seed))
+    model = draw(np.random.default_rng(seed))
     state = initial_state(model)
     first = march(model, state, initial_coordinates(model.assembly, model.system(state)), 0.0, BEGIN)
     state, start, n, end = first.state, first.y, first.y.size // 2, 1.5
@@ -224,9 +227,9 @@ def test_many_deviations_travel_as_finite_differences(seed: int) -> None:
     check_tangent(seed)
 
 
-def check_steady(seed: int) -> bool:
+def check_steady(seed: int, draw: Draw = random_damped_mesh) -> bool:
     """Whether a random joint comes to a certified motion; one that does is still there 60 decay times later."""
-    solver, problem = Solver(elements=2, max_periods=400), random_damped_mesh(np.random.default_rng(seed)).problem
+    solver, problem = Solver(elements=2, max_periods=400), draw(np.random.default_rng(seed)).problem
     found = solver.steady_state(problem, errors=False)
     if not found.period_multiple:
         return False
