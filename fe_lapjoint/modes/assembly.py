@@ -190,8 +190,10 @@ class Assembly:
 
     @cached_property
     def stop_places(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-        """The first stop of each distinct place, shape ``(p,)``, and the place of each stop, shape ``(P,)``: the gaps of
-        stops of one place see the same."""
+        """The first stop of each place, shape ``(p,)``, and the place of each stop, shape ``(P,)``.
+
+        The gaps of all stops of one place see the same.
+        """
         stops = self.problem.structure.stops
         seen = [(*((self.place(x), a) for x, a in stop.reading), (stop.base_share, 0.0)) for stop in stops]
         places = sorted(set(seen))

@@ -94,9 +94,9 @@ def sdnl104() -> Problem:
 def lap_joint(*, gap: float = 1e-4, play: float = 2e-4, base_amplitude: float = 2e-4) -> Problem:
     """Two overlapping steel plates, clamped at their far ends and shaken there, with a loose bolt.
 
-    The upper plate is 0.3 m long and 4 mm thick, the lower 0.3 m and 6 mm; they overlap by 60 mm.  Each end of the
-    overlap is a gap that closes where the plates come together.  The bolt, in the middle, has play, and closes where the
-    plates come apart.  All numbers are an example; they come from no publication.
+    The upper plate is 0.3 m long and 4 mm thick, the lower 0.3 m and 6 mm, and they overlap by 60 mm.  At each end of
+    the overlap is a gap that closes where the plates come together.  The bolt, in the middle, has play, and closes
+    where the plates come apart.  All numbers are an example, and come from no publication.
 
     Parameters
     ----------
