@@ -70,16 +70,7 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> JointArcs:
-        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`.
-
-        `InputError` is raised where a stop is damped.
-        """
-        if self.joint.damped:
-            k = next(k for k, stop in enumerate(self.joint.loaded.problem.stops) if stop.damping > 0)
-            raise InputError(
-                f"stops[{k}].damping = {self.joint.loaded.problem.stops[k].damping:g}: branches need stops without "
-                "damping; steady states, sweeps and basins allow it"
-            )
+        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`."""
         return JointArcs(self.joint, self.period)
 
     @cached_property

@@ -88,16 +88,7 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> Arcs:
-        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`.
-
-        `InputError` is raised where a stop is damped.
-        """
-        if self.model.damped:
-            k = self.model.damped[0]
-            raise InputError(
-                f"stops[{k}].damping = {self.problem.stops[k].damping:g}: branches need stops without damping; steady "
-                "states, sweeps and basins allow it"
-            )
+        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`."""
         return Arcs(self.model, self.omega)
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:

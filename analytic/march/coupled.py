@@ -30,11 +30,12 @@ import numpy as np
 import scipy.linalg
 
 from analytic.march.loads import Harmonics
-from analytic.march.modal_state import ModalState
+from analytic.march.modal_state import LoadedStructure, ModalState, modal_state
 from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem
 
 _RIGID = 1e-8
@@ -45,6 +46,7 @@ _NEARLY_DOUBLE = 3e6
 _LITTLE = 1e-13
 """Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
 _TRIES = 8  # most such changes, each twice the one before
+_STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,33 +164,22 @@ def _of_stiff(
     return roots, to / np.outer(rows, cols), back * np.outer(cols, rows)
 
 
-def coupled(
-    problem: Problem,
-    state: ContactState,
-    modal: ModalState,
-    left_out: FloatArray,
-    sizes: FloatArray,
-    harmonics: Harmonics,
-) -> Coupled:
-    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
-
-    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
-    """
+@cached(_STATES)
+def free_oscillators(
+    loaded: LoadedStructure, state: ContactState, count: int
+) -> tuple[ComplexArray, FloatArray, FloatArray]:
+    """The `oscillators` of a state with `count` modes, which do not depend on the excitation; not to be written to."""
+    problem, modal = loaded.problem, modal_state(loaded, ContactState(state.closed), count)
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.beam.EI / problem.beam.m) / problem.beam.length**2)
-    K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
-    turning = np.concatenate([[0.0], 1j * harmonics.omega])
-    pressing = np.zeros((n, n))
+    K, pressing = np.diag(omega**2), np.zeros((n, n))
     for k in state.closed:
         stop, phi = problem.stops[k], modal.at_stops[k]
         if k in state.released:
             K -= stop.stiffness * np.outer(phi, phi)
-            f += stop.stiffness * np.outer(left_out[:, k], phi)
-            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
             pressing += stop.damping * np.outer(phi, phi)
-            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
     own = np.diag(2 * modal.damping_rate)
     for i in range(_TRIES):
         more = _LITTLE * 2**i if i else 0.0
@@ -198,7 +189,31 @@ def coupled(
         if _condition(to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
-    roots, to, back = best
+    return best
+
+
+def coupled(
+    loaded: LoadedStructure,
+    state: ContactState,
+    count: int,
+    left_out: FloatArray,
+    sizes: FloatArray,
+    harmonics: Harmonics,
+) -> Coupled:
+    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H,)``.
+
+    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
+    """
+    problem, modal, n = loaded.problem, modal_state(loaded, ContactState(state.closed), count), count
+    f, turning = (modal.force * sizes[:, None]).astype(complex), np.concatenate([[0.0], 1j * harmonics.omega])
+    for k in state.closed:
+        stop, phi = problem.stops[k], modal.at_stops[k]
+        if k in state.released:
+            f += stop.stiffness * np.outer(left_out[:, k], phi)
+            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
+        elif stop.damping > 0:
+            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
+    roots, to, back = free_oscillators(loaded, state, count)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
     return Coupled(roots, kinds_of(roots), to, back, lag, push)

@@ -145,9 +145,7 @@ class Joint:
             return None
         found = self._coupled.get(state)
         if found is None:
-            made = coupled(
-                self.loaded.problem, state, self.modal(state), self.left_out(state), self.sizes, self.harmonics
-            )
+            made = coupled(self.loaded, state, self.count(state), self.left_out(state), self.sizes, self.harmonics)
             found = self._coupled[state] = made
         return found
 
