@@ -16,12 +16,12 @@ from lapjoint.orbits.arcs import ContactSequence, image_of
 from lapjoint.orbits.branches.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, scale_of, solved
+from lapjoint.orbits.branches.releases import vanishing
 from lapjoint.orbits.branches.sequence_changes import (
     SequenceChange,
     ended_arc,
     nearest,
     on_duration,
-    vanishing,
     violated,
 )
 from lapjoint.problem import FloatArray

@@ -24,11 +24,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
-from lapjoint.answers.contact_state import ContactState
 from lapjoint.orbits.arcs import ContactSequence, stop_of
 from lapjoint.orbits.branches.bifurcations import beside, nearest_of
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, scale_of, solved
+from lapjoint.orbits.branches.releases import acts, lets_go, vanishing, with_new_release
 from lapjoint.problem import FloatArray
 
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
@@ -290,8 +290,8 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
     kind: ChangeKind = "split" if acts(sequence.states[i], monitor.stop) else "birth"
-    if any(_lets_go(before, stop) for stop in stops):
-        its = None if len(stops) > 1 else _with_new_release(monitor, before)
+    if any(lets_go(before, stop) for stop in stops):
+        its = None if len(stops) > 1 else with_new_release(before, monitor.stop, i, monitor.time)
         return SequenceChange(kind, (monitor.stop,), before, *_on_new_arc(its, monitor))
     began, more = sum(shares[:i]), len(stops) - 1
     if monitor.stop < 0 and i > 0 and abs(monitor.time - began) <= _ROUNDED:
@@ -313,11 +313,6 @@ def _on_new_arc(
     if made is None or after is None:
         return None, None
     return after, made[2] if after.entering(made[2], monitor.stop)[1] > 0 else None
-
-
-def acts(state: ContactState, switch: int) -> bool:
-    """Whether a stop k is closed, or the force ~k of a damped stop acts."""
-    return switch in state if switch >= 0 else ~switch in state and ~switch not in state.released
 
 
 def _with_new_corner(monitor: Monitor, before: CurvePoint) -> CurvePoint | None:
@@ -347,38 +342,6 @@ def _without_corner(before: CurvePoint, k: int) -> SequenceChange:
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
     guess = new.packed(before.u[: before.coordinates], shares, before.value)
     return SequenceChange(kind, (force,), before, at_graze(new, guess, Monitor("extremum", k, force, time, 0.0)))
-
-
-def _lets_go(point: CurvePoint, switch: int) -> bool:
-    """Whether a switch is of a damped stop that may not pull, and so opens after its force has ended."""
-    stop = point.problem.arcs(point.u).problem.stops[stop_of(switch)]
-    return switch >= 0 and stop.damping > 0 and not stop.may_pull
-
-
-def _with_new_release(monitor: Monitor, before: CurvePoint) -> tuple[BoundaryProblem, FloatArray, int] | None:
-    """Equations, unknowns and new arc after the graze of a damped stop that may not pull; None if they are not known.
-
-    A new contact touches, ends its force and opens.  A new flight takes the place of the moment at which the force
-    begins again.
-    """
-    problem, stop, i, shares = before.problem, monitor.stop, monitor.arc, before.shares.tolist()
-    sequence, stops = problem.sequence, problem.sequence.stops
-    if not acts(sequence.states[i], stop):
-        began, order = sum(shares[:i]), (*stops[:i], stop, ~stop, stop, *stops[i:])
-        shares[i : i + 1] = [monitor.time - began, 0.0, 0.0, shares[i] - (monitor.time - began)]
-        new, arc = range(i, i + 3), i + 1
-    else:
-        begins = [k for k in (i - 1, i) if 0 <= k < len(stops) and stops[k] == ~stop]
-        begins = [k for k in begins if acts(sequence.states[k + 1], ~stop) and not {k, k + 1} & problem.tied]
-        if not begins:
-            return None
-        i = min(begins, key=lambda k: abs(sum(shares[: k + 1]) - monitor.time))
-        order = (*stops[:i], stop, stop, *stops[i + 1 :])
-        shares[i + 1 : i + 1] = [0.0]
-        new, arc = range(i, i + 1), i + 1
-    tied = frozenset(k if k < i else k + len(new) for k in problem.tied)
-    made = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
-    return made, made.packed(before.u[: before.coordinates], shares, before.value), arc
 
 
 def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
@@ -421,22 +384,6 @@ def ended_arc(problem: BoundaryProblem, u: FloatArray) -> int:
     return min(both, key=lambda i: float(shares[i]))
 
 
-def vanishing(sequence: ContactSequence, arc: int) -> tuple[range, tuple[int, ...]] | None:
-    """The events that vanish with an arc between two events of one stop, and the one that takes their place, if any.
-
-    The force of a damped stop begins again where a flight between two of its contacts vanishes.  None if an event of
-    another stop lies between the events that vanish.
-    """
-    first, last, joining = arc - 1, arc, sequence.joining
-    if sequence.stops[first] != sequence.stops[last]:
-        last = next((j for j in (arc, arc + 1) if True in joining[j : j + 1]), -1)
-        if last < 0:
-            return None
-        first = last - 2
-    same = sequence.states[first] == sequence.states[last + 1]
-    return range(first, last + 1), () if same else (~sequence.stops[arc],)
-
-
 def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:
     """The change where the shortest arc between two events of one stop has no duration, from the side with more events.
 
@@ -458,7 +405,7 @@ def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     (gone, instead), time = events, sum(shares[:i])
     first, last = problem.group(gone[0]), problem.group(gone[-1])
     if {sequence.stops[k] for k in first} != {sequence.stops[k] for k in last} or (
-        len(first) > 1 and _lets_go(before, stop)
+        len(first) > 1 and lets_go(before, stop)
     ):
         return SequenceChange(kind, (stop,), before, None)
     gone = range(first[0], last[-1] + 1)
