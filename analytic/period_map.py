@@ -72,18 +72,12 @@ class PeriodMap:
     def arcs(self) -> JointArcs:
         """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`.
 
-        `InputError` is raised where a stop is damped, or viscous damping couples the modes.
+        `InputError` is raised where viscous damping couples the modes.
         """
         if self.joint.loaded.problem.structure.coupling_drag > 0:
             raise InputError(
                 'damping.kind = "viscous": branches need beams without masses, and of one mass per length, with this '
                 "damping; steady states, sweeps and basins allow them"
-            )
-        if self.joint.damped:
-            k = next(k for k, stop in enumerate(self.joint.loaded.problem.structure.stops) if stop.damping > 0)
-            raise InputError(
-                f"stops[{k}].damping = {self.joint.loaded.problem.structure.stops[k].damping:g}: branches need stops without "
-                "damping; steady states, sweeps and basins allow it"
             )
         return JointArcs(self.joint, self.period)
 

@@ -30,9 +30,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from analytic.march.drag import Drag
+from analytic.march.drag import drag_of
 from analytic.march.loads import Harmonics
-from analytic.march.modal_state import ModalState
+from analytic.march.modal_state import LoadedStructure, ModalState, modal_state
 from analytic.march.oscillator import (
     OSCILLATING,
     SPLIT,
@@ -44,6 +44,7 @@ from analytic.march.oscillator import (
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem
 
 _RIGID = 1e-8
@@ -54,6 +55,7 @@ _NEARLY_DOUBLE = 3e6
 _LITTLE = 1e-13
 """Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
 _TRIES = 8  # most such changes, each twice the one before
+_STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,39 +177,28 @@ def _of_stiff(
     return roots, to / np.outer(rows, cols), back * np.outer(cols, rows)
 
 
-def coupled(
-    problem: Problem,
-    state: ContactState,
-    modal: ModalState,
-    left_out: FloatArray,
-    sizes: FloatArray,
-    harmonics: Harmonics,
-    drag: Drag | None,
-    side: float,
-) -> Coupled:
-    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
+@cached(_STATES)
+def free_oscillators(
+    loaded: LoadedStructure, state: ContactState, count: int
+) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray]:
+    """The `oscillators` of a state with `count` modes, and its damping matrix, 1/s, ``(N, N)``.
 
-    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `drag` is given where
-    viscous damping couples the modes.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
+    They do not depend on the excitation, and are not to be written to.
     """
+    problem, closed = loaded.problem, ContactState(state.closed)
+    modal = modal_state(loaded, closed, count)
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.line.EI / problem.line.m) / problem.line.length**2)
-    K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
-    turning = np.concatenate([[0.0], 1j * harmonics.omega])
-    coupling = np.zeros((n, n))
-    if drag is not None:
-        coupling += drag.D
-        f -= turning[:, None] * drag.left_out * sizes[:, None]
+    K, coupling = np.diag(omega**2), np.zeros((n, n))
+    if problem.structure.coupling_drag > 0:
+        coupling += drag_of(loaded, closed, count).D
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]
         if k in state.released:
             K -= stop.stiffness * np.outer(phi, phi)
-            f += stop.stiffness * np.outer(left_out[:, k], phi)
-            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
             coupling += stop.damping * np.outer(phi, phi)
-            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
     own = np.diag(2 * modal.damping_rate)
     for i in range(_TRIES):
         more = _LITTLE * 2**i if i else 0.0
@@ -217,10 +208,40 @@ def coupled(
         if _condition(to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
-    roots, to, back = _detuned(best[0], harmonics.omega, side), *best[1:]
+    return *best, own + coupling
+
+
+def coupled(
+    loaded: LoadedStructure,
+    state: ContactState,
+    count: int,
+    left_out: FloatArray,
+    sizes: FloatArray,
+    harmonics: Harmonics,
+    side: float,
+) -> Coupled:
+    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H,)``.
+
+    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.  `side` is as in
+    `analytic.march.oscillator.away_from_resonance`.
+    """
+    problem, closed, n = loaded.problem, ContactState(state.closed), count
+    modal = modal_state(loaded, closed, count)
+    f, turning = (modal.force * sizes[:, None]).astype(complex), np.concatenate([[0.0], 1j * harmonics.omega])
+    if problem.structure.coupling_drag > 0:
+        f -= turning[:, None] * drag_of(loaded, closed, count).left_out * sizes[:, None]
+    for k in state.closed:
+        stop, phi = problem.structure.stops[k], modal.at_stops[k]
+        if k in state.released:
+            f += stop.stiffness * np.outer(left_out[:, k], phi)
+            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
+        elif stop.damping > 0:
+            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
+    roots, to, back, D = free_oscillators(loaded, state, count)
+    roots = _detuned(roots, harmonics.omega, side)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
-    return Coupled(roots, kinds_of(roots), to, back, lag, push, own + coupling)
+    return Coupled(roots, kinds_of(roots), to, back, lag, push, D)
 
 
 def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:

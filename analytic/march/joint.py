@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from analytic.march.coupled import Coupled, coupled, force_rows, is_coupled, write_coupled
-from analytic.march.drag import drag_of
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
@@ -162,12 +161,9 @@ class Joint:
         count = count or self.count(state)
         found = self._coupled.get((state, count))
         if found is None:
-            closed, drag = ContactState(state.closed), None
-            modal = modal_state(self.loaded, closed, count)
-            if self.loaded.problem.structure.coupling_drag > 0:
-                drag = drag_of(self.loaded, closed, count)
-            arrays = self._seen_beside(modal), self.sizes, self.harmonics, drag, self.side
-            found = self._coupled[state, count] = coupled(self.loaded.problem, state, modal, *arrays)
+            modal = modal_state(self.loaded, ContactState(state.closed), count)
+            arrays = self._seen_beside(modal), self.sizes, self.harmonics, self.side
+            found = self._coupled[state, count] = coupled(self.loaded, state, count, *arrays)
         return found
 
     def residual(self, state: ContactState) -> Residual:

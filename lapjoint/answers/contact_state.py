@@ -54,6 +54,21 @@ class ContactState:
             return ContactState(self.closed, tuple(set(self.released) ^ {~stop}))
         return ContactState(tuple(set(self.closed) ^ {stop}), self.released)
 
+    def mirrored(self, twins: Sequence[int]) -> ContactState:
+        """The state with every stop exchanged for its twin.
+
+        Parameters
+        ----------
+        twins : sequence of int
+            For each stop the index of its twin on the other side.
+
+        Returns
+        -------
+        ContactState
+            The mirror image.
+        """
+        return ContactState(tuple(twins[k] for k in self.closed), tuple(twins[k] for k in self.released))
+
     def name(self, problem: Problem) -> str:
         """The names of the closed stops, or ``free``.
 

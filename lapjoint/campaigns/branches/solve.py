@@ -17,6 +17,7 @@ from lapjoint.campaigns.point import Point, plain_section, point_of
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.machine.one_thread import in_one_thread
+from lapjoint.orbits.arcs import stop_of
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.errors import stated
 from lapjoint.orbits.branches.point import CurvePoint
@@ -142,7 +143,8 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
         kind, point = _kind(what), what.point
     else:
         kind, point = "grazing", what.fewer
-        stop = what.stops[0] if point.twins is None else min(what.stops[0], point.twins[what.stops[0]])
+        stop = stop_of(what.stops[0])
+        stop = stop if point.twins is None else min(stop, point.twins[stop])
     known = stated(what) if errors else None
     value, error = (point.value, math.inf) if known is None else (known.value, known.error)
     period_map, section, multiple = point.problem.resolution.map(point.value), point.section(), _multiple(point)

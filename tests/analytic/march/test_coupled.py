@@ -17,7 +17,6 @@ from analytic.march.field import history_of
 from analytic.march.initial_state import initial_coordinates, started
 from analytic.solver import Solver
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.errors import InputError
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray, Problem
 from tests.helpers.damped_stops import Witnessed, random_damped_joint, witnessed
@@ -272,9 +271,3 @@ def test_a_certified_motion_stays() -> None:
 @pytest.mark.slow
 def test_certified_motions_stay() -> None:
     assert sum(check_steady(seed) for seed in range(4, 90)) >= 60
-
-
-def test_what_damped_stops_do_not_reach_yet_is_refused() -> None:
-    problem = random_damped_joint(np.random.default_rng(0))
-    with pytest.raises(InputError, match=r"stops\[0\]\.damping = .*branches need stops without damping"):
-        _ = Solver(n_modes=3).period_map(problem).arcs
