@@ -137,14 +137,14 @@ class ModalField:
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
         start_all_terms(tables, slot, start, q, v, theta, c, poly)
-        s, root, omega = t - start[at], tables.root[slot, :terms, None], tables.omega[:, None]
-        free = (c[at].T * root**dt * np.exp(root * s)).real
+        second = n + np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
+        which_terms = np.concatenate([np.arange(n), second])
+        s, root, omega = t - start[at], tables.root[slot, which_terms, None], tables.omega[:, None]
+        free = (c[:, which_terms][at].T * root**dt * np.exp(root * s)).real
         result = free[:n] + _forced(tables.harmonic[slot, :, :n], theta[at].T, omega, s, dt)
         for exponent in range(dt, 3):
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
-        if terms > n:
-            own = np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
-            np.add.at(result, tables.mode_of[slot, n:terms][own], free[n:][own])
+        np.add.at(result, tables.mode_of[slot, second], free[n:])
         return np.asarray(result)
 
     @cached_property
