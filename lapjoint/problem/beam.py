@@ -114,6 +114,11 @@ class Tube(Part):
 Section = Annotated[Rectangle | Circle | Tube, Field(discriminator="shape")]
 
 
+def uniform_slowest_bending(EI: float, m: float, length: float) -> float:
+    """Lowest natural angular frequency, rad/s, of a uniform cantilever of EI, N m2, m, kg/m, and a length, m."""
+    return _CANTILEVER**2 * math.sqrt(EI / m) / length**2
+
+
 @dataclass(frozen=True)
 class BeamPiece:
     """A part of the beam along which stiffness and masses per unit length are constant."""
@@ -302,7 +307,7 @@ class Beam(Part):
     @property
     def slowest_bending(self) -> float:
         """Lowest natural angular frequency as a uniform cantilever of stiffness `EI` and mass `m`, rad/s."""
-        return _CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
+        return uniform_slowest_bending(self.EI, self.m, self.length)
 
     def require_sections(self, purpose: str) -> tuple[tuple[Material, Section], ...]:
         """The material and the cross-section of each piece, for what cannot be done without.

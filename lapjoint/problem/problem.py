@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import model_validator
 
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
-from lapjoint.problem.beam import Beam
+from lapjoint.problem.beam import Beam, uniform_slowest_bending
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
@@ -391,10 +391,21 @@ def _warn_of_excitation(problem: Problem) -> None:
         warnings.warn(line, ExcitationWarning, stacklevel=3)
 
 
+def _slowest_bending(problem: Problem) -> float:
+    """A bound, rad/s, below all bending modes: Dunkerley's, of a cantilever with the masses, whose segments are all
+    as soft as the softest and as heavy as the heaviest."""
+    beam = problem.beam
+    EI, m = min(piece.EI for piece in beam.pieces), max(piece.inertia for piece in beam.pieces)
+    squares = 1 / uniform_slowest_bending(EI, m, beam.length) ** 2
+    for mass in problem.masses:
+        squares += (mass.mass * mass.x**3 / 3 + mass.rotary_inertia * mass.x) / EI
+    return 1 / math.sqrt(squares)
+
+
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
-        slowest = problem.beam.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
@@ -406,7 +417,7 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
     for path, part in problem.random.items():
-        slowest = problem.beam.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         if part.density.top < slowest:
             yield (
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "
