@@ -44,6 +44,7 @@ _MODULES = {
     "sdnd101": "sdnd101",
     "sdnd102": "sdnd102",
     "sdnd108": "sdnd108",
+    "damped-stops": "damped_stops",
     "pressed": "pressed",
     "limits": "limits",
     "resting": "resting",

@@ -70,7 +70,7 @@ class ContactState:
         return ContactState(tuple(twins[k] for k in self.closed), tuple(twins[k] for k in self.released))
 
     def name(self, problem: Problem) -> str:
-        """The names of the closed stops, or ``free``.
+        """The names of the closed stops, and which of them are released, or ``free``.
 
         Parameters
         ----------
@@ -80,9 +80,10 @@ class ContactState:
         Returns
         -------
         str
-            As ``P2 + P3``.
+            As ``P2 + P3 (released)``.
         """
-        return " + ".join(problem.stop_names[i] for i in self.closed) or "free"
+        names = (problem.stop_names[i] + " (released)" * (i in self.released) for i in self.closed)
+        return " + ".join(names) or "free"
 
 
 FREE = ContactState()
@@ -212,6 +213,10 @@ def state_label(problem: Problem, state: ContactState) -> str:
     return number + state.name(problem)
 
 
-def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """A key to sort states: the paper's number, or else the number of closed stops; then the indices of these stops."""
-    return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed
+def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...], tuple[int, ...]]:
+    """A key to sort states: the paper's number or the number of closed stops, the closed stops, the released stops."""
+    return (
+        paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed),
+        state.closed,
+        state.released,
+    )

@@ -113,6 +113,11 @@ class Tube(Part):
 Section = Annotated[Rectangle | Circle | Tube, Field(discriminator="shape")]
 
 
+def uniform_slowest_bending(EI: float, m: float, length: float) -> float:
+    """Lowest natural angular frequency, rad/s, of a uniform cantilever of EI, N m2, m, kg/m, and a length, m."""
+    return CANTILEVER**2 * math.sqrt(EI / m) / length**2
+
+
 @dataclass(frozen=True)
 class BeamPiece:
     """A part of the beam along which stiffness and masses per unit length are constant."""
@@ -248,7 +253,7 @@ class Beam(Part):
     @property
     def slowest_bending(self) -> float:
         """Lowest natural angular frequency as a uniform cantilever of stiffness `EI` and mass `m`, rad/s."""
-        return CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
+        return uniform_slowest_bending(self.EI, self.m, self.length)
 
 
 def _described_once(part: Beam | BeamSegment, material: Material | None) -> bool:

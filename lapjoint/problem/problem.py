@@ -11,7 +11,7 @@ from typing import Any, Literal, Self
 from pydantic import model_validator
 
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
-from lapjoint.problem.beam import Beam
+from lapjoint.problem.beam import Beam, uniform_slowest_bending
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
@@ -405,10 +405,23 @@ def _warn_of_excitation(problem: Problem) -> None:
         warnings.warn(line, ExcitationWarning, stacklevel=3)
 
 
+def _slowest_bending(problem: Problem) -> float:
+    """A bound, rad/s, below all bending modes: Dunkerley's, of a cantilever with the masses, whose segments are all
+    as soft as the softest and as heavy as the heaviest; several beams are taken in a row, with all masses at its end."""
+    line, structure = problem.line, problem.structure
+    EI, m = min(piece.EI for piece in line.pieces), max(piece.inertia for piece in line.pieces)
+    length = sum(beam.length for beam in line.beams)
+    squares = 1 / uniform_slowest_bending(EI, m, length) ** 2
+    for mass in structure.masses:
+        x = length if line.several else mass.x
+        squares += (mass.mass * x**3 / 3 + mass.rotary_inertia * x) / EI
+    return 1 / math.sqrt(squares)
+
+
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
-        slowest = problem.line.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
@@ -420,7 +433,7 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
     for path, part in problem.random.items():
-        slowest = problem.line.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         if part.density.top < slowest:
             yield (
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "

@@ -36,7 +36,7 @@ class Witnessed:
     impulses: FloatArray
     """N s, shape ``(P,)``."""
     dissipated: FloatArray
-    """Energy lost in each stop, J, shape ``(P,)``."""
+    """Energy lost in each damped stop, J, shape ``(P,)``: not what its spring stores at the end."""
 
 
 def random_damped_joint(rng: np.random.Generator) -> Problem:
@@ -150,6 +150,10 @@ class _State:
         force = force - (omega * np.cos(self._joint.harmonics.theta(t))) @ self._drag_of_loads[1:] - self._drag @ v
         return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
 
+    def stored(self, t: float, y: FloatArray) -> FloatArray:
+        """Energy of the springs that press, J, shape ``(P,)``."""
+        return np.where(self._acts, self._k / 2 * self._depths(t, y)[0] ** 2, 0.0)
+
     def gap_function(self, index: int, t: float, y: FloatArray) -> float:
         """Rises through 0 where a stop, or the force of stop `~index`, switches; m."""
         d, d1 = self._depths(t, y)
@@ -212,4 +216,5 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
             v = passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:]
         state = after
     sign = np.array([stop.sign for stop in joint.problem.stops])
+    totals[1] -= _State(joint, state).stored(t, np.concatenate([q, v]))
     return Witnessed(np.array(times), tuple(indices), state, q, v, sign * totals[0], totals[1])
