@@ -406,8 +406,8 @@ def _warn_of_excitation(problem: Problem) -> None:
 
 
 def _slowest_bending(problem: Problem) -> float:
-    """A bound, rad/s, below all bending modes: Dunkerley's, of a cantilever with the masses, whose segments are all
-    as soft as the softest and as heavy as the heaviest; several beams are taken in a row, with all masses at its end."""
+    """A bound, rad/s, below all bending modes: Dunkerley's, of a cantilever as soft and heavy as any segment, with the
+    masses; several beams are taken in a row, with all masses at the end."""
     line, structure = problem.line, problem.structure
     EI, m = min(piece.EI for piece in line.pieces), max(piece.inertia for piece in line.pieces)
     length = sum(beam.length for beam in line.beams)

@@ -8,6 +8,8 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
+from damped_stops import model_of
+from random_joints import dragged_cantilever
 
 import analytic
 import fe_lapjoint
@@ -15,9 +17,6 @@ from analytic.march.joint import Joint
 from lapjoint import Problem
 from lapjoint.answers.contact_state import FREE
 from lapjoint.problem import FloatArray
-from tests.cross.test_damped_stops import check_contacts, check_steady
-from tests.helpers.damped_mesh import model_of
-from tests.helpers.damped_stops import random_dragged_joint
 
 
 def cantilever(coefficient: float, mass: float = 0.6, rotary: float = 0.02) -> Problem:
@@ -96,7 +95,7 @@ def test_a_free_decay_is_the_sum_of_the_complex_modes() -> None:
 
 
 def test_both_solvers_agree_on_the_contacts_of_a_joint() -> None:
-    problem = random_dragged_joint(np.random.default_rng(3))
+    problem = dragged_cantilever(np.random.default_rng(3))
     one, other = (
         solver.simulate(problem, 0.8, errors=False).contacts
         for solver in (analytic.Solver(n_modes=14), fe_lapjoint.Solver(elements=12))
@@ -106,13 +105,3 @@ def test_both_solvers_agree_on_the_contacts_of_a_joint() -> None:
         assert (a.stop, a.open_end) == (b.stop, b.open_end)
         assert a.start == pytest.approx(b.start, abs=1e-3)
         assert a.impulse == pytest.approx(b.impulse, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_first_contacts_of_many_joints() -> None:
-    check_contacts(range(40), 80, random_dragged_joint)
-
-
-@pytest.mark.slow
-def test_steady_states_agree() -> None:
-    check_steady(range(20), random_dragged_joint)

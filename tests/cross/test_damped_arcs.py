@@ -16,7 +16,8 @@ from lapjoint.orbits.arcs import Arcs, Chain, ContactSequence
 from lapjoint.orbits.segments import Segments
 from lapjoint.orbits.watch import switches_of
 from lapjoint.problem import FloatArray
-from tests.helpers.damped_stops import random_damped_joint, witnessed
+from tests.helpers.damped_stops import witnessed
+from tests.helpers.random_joints import damped_cantilever
 
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=8), "fe": fe_lapjoint.Solver(elements=3)}
 BOTH = pytest.mark.parametrize("name", SOLVERS)
@@ -34,7 +35,7 @@ def size(values: npt.NDArray[np.inexact[Any]]) -> float:
 
 def cut(name: str, seed: int) -> tuple[Any, SectionPoint, ContactSequence, FloatArray]:
     """A period map, a motion some periods from rest, and the sequence and durations of its next period."""
-    problem = random_damped_joint(np.random.default_rng(seed))
+    problem = damped_cantilever(np.random.default_rng(seed))
     period_map = SOLVERS[name].period_map(problem)
     point = period_map.march(period_map.initial(), 2 * PERIODS).end
     segments = Segments.of(period_map.linearised(point, 2).motion)
@@ -130,7 +131,7 @@ def test_the_two_arcs_of_a_graze_are_regular_where_they_vanish(name: str) -> Non
 def test_arcs_go_where_an_ode_solver_goes(seeds: range) -> None:
     switches = 0
     for seed in seeds:
-        problem = random_damped_joint(np.random.default_rng(seed))
+        problem = damped_cantilever(np.random.default_rng(seed))
         period_map = analytic.Solver(n_modes=6).period_map(problem)
         point, arcs, joint = period_map.initial(), period_map.arcs, period_map.joint
         q, v = joint.in_modes(point.state, *point.coordinates, 0.0)

@@ -10,14 +10,28 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from analytic.march.joint import Joint
+from analytic.march import Joint
+from analytic.march import march as analytic_march
+from analytic.march.field import history_of as analytic_history
+from analytic.march.initial_state import initial_coordinates as analytic_coordinates
+from analytic.march.initial_state import started
 from analytic.march.loads import MOVED_STOPS
+from fe_lapjoint.march.field import history_of as mesh_history
+from fe_lapjoint.march.initial import initial_coordinates as mesh_coordinates
+from fe_lapjoint.march.initial import initial_state
+from fe_lapjoint.march.march import march as mesh_march
+from fe_lapjoint.march.model import Model
+from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.modes.mesh import mesh_nodes
+from lapjoint import Beam, History, PolynomialShape, Problem, StepLoad, Stop, Support
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import Beam, BeamSegment, FloatArray, Mass, Problem, ViscousDamping
+from lapjoint.problem import FloatArray, ViscousDamping
+from tests.helpers.random_joints import damped_cantilever
 
 _TURN = 0.3  # most that the fastest mode turns in a step, rad, so that no event is stepped over
 _SOON = 1e-9  # s: by which a stop is looked at again that truncation left beyond its switch
@@ -36,71 +50,7 @@ class Witnessed:
     impulses: FloatArray
     """N s, shape ``(P,)``."""
     dissipated: FloatArray
-    """Energy lost in each damped stop, J, shape ``(P,)``: not what its spring stores at the end."""
-
-
-def random_damped_joint(rng: np.random.Generator) -> Problem:
-    """A cantilever with one to four stops, of which most are damped and some may pull."""
-    stops = []
-    for _ in range(int(rng.integers(1, 5))):
-        k, ratio = float(10 ** rng.uniform(1, 3.5)), 10 ** rng.uniform(-2, 1)
-        stops.append(
-            {
-                "damping": float(ratio * np.sqrt(k)) if rng.random() < 0.8 else 0.0,
-                "stiffness": k,
-                "x": float(rng.uniform(0.3, 1)),
-                "side": str(rng.choice(["top", "bottom"])),
-                "gap": float(rng.uniform(0.005, 0.05)),
-                "may_pull": bool(rng.random() < 0.3),
-                "fixed_to": "space" if rng.random() < 0.2 else "base",
-            }
-        )
-    modal = {"kind": "modal", "ratio": float(rng.uniform(0, 0.1))}
-    viscous = {"kind": "viscous", "coefficient": float(rng.uniform(0, 1))}
-    return Problem.model_validate(
-        {
-            "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
-            "supports": [{"x": 0.0, "translational": math.inf, "torsional": math.inf}],
-            "stops": stops,
-            "damping": modal if rng.random() < 0.5 else viscous,
-            "base_motion": {
-                "kind": "sine",
-                "amplitude": float(10 ** rng.uniform(-1.5, -0.5)),
-                "angular_frequency": float(rng.uniform(2, 12)),
-            },
-            "point_loads": [{"kind": "step", "x": 0.7, "force": float(rng.normal() * 0.05)}],
-            "initial": {
-                "kind": "polynomial",
-                "displacement": [0, 0, float(rng.normal() * 0.02)],
-                "velocity": [0, 0, float(rng.normal() * 0.3)],
-            },
-        }
-    )
-
-
-def random_dragged_joint(rng: np.random.Generator) -> Problem:
-    """A cantilever of `random_damped_joint` with masses, steps or both, under viscous damping, which couples its modes.
-
-    The damping of the lowest modes is from light to above critical; every second joint has no damped stop.
-    """
-    joint, segments, masses = random_damped_joint(rng), (), []
-    kind = rng.integers(3)
-    if kind != 1:
-        cuts = [*np.sort(rng.choice(np.arange(2, 19), int(rng.integers(1, 3)), replace=False)) / 20, 1.0]
-        EI, m = 10 ** rng.uniform(-0.5, 0.5, len(cuts)), 10 ** rng.uniform(-0.5, 0.5, len(cuts))
-        parts = zip(map(float, cuts), EI.tolist(), m.tolist(), strict=True)
-        segments = tuple(BeamSegment(to=to, bending_stiffness=e, mass_per_length=d) for to, e, d in parts)
-    if kind != 0:
-        for _ in range(int(rng.integers(1, 3))):
-            size = float(10 ** rng.uniform(-1.5, 0.5))
-            place = 1.0 if rng.random() < 0.5 else float(rng.uniform(0.2, 1))
-            masses.append(Mass(x=place, mass=size, rotary_inertia=size * float(rng.uniform(0, 0.02))))
-    beam = Beam(length=1.0, segments=segments) if segments else joint.beam
-    stops = joint.stops
-    if rng.random() < 0.5:
-        stops = tuple(stop.model_copy(update={"damping": 0.0, "may_pull": False}) for stop in stops)
-    damping = ViscousDamping(coefficient=float(10 ** rng.uniform(-1, 1)))
-    return joint.replace(beam=beam, masses=tuple(masses), stops=stops, damping=damping)
+    """Energy lost in each stop, J, shape ``(P,)``."""
 
 
 class _State:
@@ -123,7 +73,7 @@ class _State:
         shapes, rest = modal.modes.shapes(x), modal.residual(x) * joint.sizes[:, None]
         damping = joint.problem.damping
         drag = weights * (damping.coefficient if isinstance(damping, ViscousDamping) else 0.0)
-        if not joint.problem.masses and len(joint.problem.beam.pieces) == 1:
+        if not joint.problem.structure.masses and len(joint.problem.line.pieces) == 1:
             drag = 0.0 * drag  # the damping rates of the modes are all of it
         self._drag, self._drag_of_loads = (shapes * drag) @ shapes.T, (rest * drag) @ shapes.T
         self.pulls = np.array([stop.may_pull for stop in stops])
@@ -150,10 +100,6 @@ class _State:
         force = force - (omega * np.cos(self._joint.harmonics.theta(t))) @ self._drag_of_loads[1:] - self._drag @ v
         return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
 
-    def stored(self, t: float, y: FloatArray) -> FloatArray:
-        """Energy of the springs that press, J, shape ``(P,)``."""
-        return np.where(self._acts, self._k / 2 * self._depths(t, y)[0] ** 2, 0.0)
-
     def gap_function(self, index: int, t: float, y: FloatArray) -> float:
         """Rises through 0 where a stop, or the force of stop `~index`, switches; m."""
         d, d1 = self._depths(t, y)
@@ -174,8 +120,8 @@ class _State:
 
 def _quadrature(problem: Problem) -> tuple[FloatArray, FloatArray]:
     """Gauss points along the beam and their weights, m, on panels that no mass, stop, load or step divides."""
-    parts = [it.x for it in (*problem.masses, *problem.stops, *problem.point_loads)]
-    edges = np.unique([*np.linspace(0, problem.beam.length, 17), *parts, *(it.end for it in problem.beam.pieces)])
+    parts = [it.x for it in (*problem.structure.masses, *problem.structure.stops, *problem.point_loads)]
+    edges = np.unique([*np.linspace(0, problem.line.length, 17), *parts, *(it.end for it in problem.line.pieces)])
     nodes, weights = np.polynomial.legendre.leggauss(12)
     half = np.diff(edges)[:, None] / 2
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
@@ -216,5 +162,104 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
             v = passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:]
         state = after
     sign = np.array([stop.sign for stop in joint.problem.stops])
-    totals[1] -= _State(joint, state).stored(t, np.concatenate([q, v]))
     return Witnessed(np.array(times), tuple(indices), state, q, v, sign * totals[0], totals[1])
+
+
+Draw = Callable[..., Problem]
+"""Draws a random cantilever, with `halves` one whose parts are at its middle and its tip."""
+
+
+@dataclass(frozen=True)
+class Marched:
+    """A march of a solver from the initial state in the coordinates of a witness, and what the witness says of it."""
+
+    times: FloatArray
+    indices: tuple[int, ...]
+    state: ContactState
+    q: FloatArray
+    v: FloatArray
+    history: History
+    witness: Witnessed
+
+
+def by_modes(seed: int, end: float, draw: Draw = damped_cantilever) -> Marched:
+    """A random cantilever on three to six modes, by the analytic solver."""
+    rng = np.random.default_rng(seed)
+    problem, n = draw(rng), int(rng.integers(3, 7))
+    joint = Joint(problem, n, n)
+    start = started(joint)
+    motion = analytic_march(joint, start, 0.0, end, depth=True)
+    log = motion.log
+    q, v = joint.in_modes(motion.end.state, motion.end.q, motion.end.v, log.end[-1])
+    switched = log.stop >= 0
+    indices = tuple(joint.index_of(row) for row in log.stop[switched].tolist())
+    first = analytic_coordinates(problem, joint.modal(start.state).modes)
+    witness, history = witnessed(joint, start.state, *first, end), analytic_history("", joint, log)
+    return Marched(log.end[switched], indices, motion.end.state, q, v, history, witness)
+
+
+def by_elements(seed: int, end: float, draw: Draw = damped_cantilever) -> Marched:
+    """A random cantilever of two elements, by the FE solver; its stops are at their ends."""
+    model = model_of(draw(np.random.default_rng(seed), halves=True), 2)
+    state, P, mesh = initial_state(model), len(model.problem.stops), MeshForWitness(model)
+    y = mesh_coordinates(model.assembly, model.system(state))
+    motion = mesh_march(model, state, y, 0.0, end)
+    switched = [piece for piece in motion.pieces if piece.switched >= 0]
+    indices = tuple(it.switched if it.switched < P else ~model.damped[it.switched - P] for it in switched)
+    witness = witnessed(mesh, state, *mesh.in_modes(state, y), end)  # type: ignore[arg-type]
+    times, (q, v) = np.array([it.end for it in switched]), mesh.in_modes(motion.state, motion.y)
+    return Marched(times, indices, motion.state, q, v, mesh_history("", model, [motion], end), witness)
+
+
+def model_of(problem: Problem, elements: int) -> Model:
+    """A problem on a mesh, by the exact method."""
+    return Model(problem, Assembly(problem, mesh_nodes(problem, elements, None)), "exact", 1e-9, 1e-12)
+
+
+class MeshForWitness:
+    """All modes of a mesh with the springs of the closed stops; no mode is left out."""
+
+    def __init__(self, model: Model) -> None:
+        system = model.undamped(ContactState())
+        self.model, self.problem = model, model.problem
+        self.harmonics = SimpleNamespace(omega=system.driven, theta=lambda t: system.driven * t + system.phase)
+        self.sizes = np.ones(1 + system.driven.size)
+        self.loaded = SimpleNamespace(positions=[None] * system.driven.size)
+
+    def modal(self, state: ContactState) -> SimpleNamespace:
+        """The modes of a set of closed stops, and the loads on them."""
+        system, n = self.model.undamped(state), self.model.assembly.free.size
+        return SimpleNamespace(
+            size=n,
+            at_stops=system.stops,
+            force=np.concatenate([system.constant[None], system.harmonic.T]),
+            residual_at_stops=np.concatenate([np.zeros((1, system.place_of.size)), system.seen[system.place_of].T]),
+            modes=SimpleNamespace(
+                omega=system.omega, shapes=lambda x: system.vectors.T @ self.model.assembly.shapes(x, 0).T
+            ),
+            residual=lambda x: np.zeros((1 + system.driven.size, x.size)),
+            damping_rate=system.damping_rate * (not self.model.drags),
+        )
+
+    def passage(self, old: ContactState, new: ContactState) -> SimpleNamespace:
+        """The map between the modes of two sets of closed stops."""
+        n = self.model.assembly.free.size
+        return SimpleNamespace(S=self.model.transfer(old, new), residual=np.zeros((self.sizes.size, n)))
+
+    def in_modes(self, state: ContactState, y: FloatArray) -> FloatArray:
+        """(q, q') in the modes of all closed stops, from those of the springs that act, shape ``(2, n)``."""
+        return np.asarray(y.reshape(2, -1) @ self.model.transfer(state, ContactState(state.closed)).T)
+
+
+def pinned_bar(
+    damping: float, may_pull: bool = False, *, EI: float = 1e12, force: float = -10.0, stiffness: float = 100.0
+) -> Problem:
+    """A bar on a pin whose tip moves as 1 kg under 10 m/s2, with a stop 2 m below: SDND108 of Code_Aster."""
+    stop = Stop(x=1.0, side="bottom", gap=2.0, stiffness=stiffness, damping=damping, may_pull=may_pull)
+    return Problem(
+        beam=Beam(length=1.0, bending_stiffness=EI, mass_per_length=3.0),
+        supports=(Support(x=0.0, translational=math.inf),),
+        stops=(stop,),
+        point_loads=(StepLoad(x=1.0, force=force),) if force else (),
+        initial=PolynomialShape(velocity=(0.0, -1.0)),
+    )

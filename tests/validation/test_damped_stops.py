@@ -10,12 +10,12 @@ import pytest
 import fe_lapjoint
 from analytic.solver import Solver
 from lapjoint.answers import History
-from tests.helpers.damped_stops import random_damped_joint
+from tests.helpers.random_joints import damped_cantilever
 from validation.invariants import energy_balance, stated_energies, stated_impulses, witness
 
 
 def motion(seed: int) -> History:
-    return Solver(n_modes=20).simulate(random_damped_joint(np.random.default_rng(seed)), 2.0, errors=False)
+    return Solver(n_modes=20).simulate(damped_cantilever(np.random.default_rng(seed)), 2.0, errors=False)
 
 
 @pytest.mark.parametrize("seed", [0, 3])  # viscous damping, so that all of the energy is accounted for
@@ -32,7 +32,7 @@ def test_damped_stops_take_the_energy_that_is_missing(seed: int) -> None:
 @pytest.mark.parametrize("solver", [Solver(n_modes=20), fe_lapjoint.Solver(elements=8)])
 @pytest.mark.parametrize("seed", [1, 2])  # seed 2 ends within a contact
 def test_stated_energies_are_those_of_the_force_law(solver: Solver | fe_lapjoint.Solver, seed: int) -> None:
-    found = solver.simulate(random_damped_joint(np.random.default_rng(seed)), 1.0, errors=False)
+    found = solver.simulate(damped_cantilever(np.random.default_rng(seed)), 1.0, errors=False)
     assert found.dissipated().max() > 0
     assert stated_energies(found, 1e-6).value < 1e-4  # truncation moves the stop at a switch
     assert any("energy lost" in item.name for item in witness(found, 1e-3, "one"))

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from random_joints import dragged_cantilever
 
 from analytic.march import Joint
 from analytic.march.coupled import oscillators
@@ -13,8 +14,7 @@ from analytic.solver import Solver
 from lapjoint.answers.contact_state import FREE
 from lapjoint.errors import InputError
 from lapjoint.problem import BaseMotion, Mass, NoDamping, Problem, ViscousDamping
-from tests.analytic.march.test_coupled import check_motion, check_steady, check_tangent, flow_error
-from tests.helpers.damped_stops import random_dragged_joint
+from tests.analytic.march.test_coupled import flow_error
 
 
 def oscillators_flow(problem: Problem, count: int, t: float) -> float:
@@ -28,14 +28,14 @@ def oscillators_flow(problem: Problem, count: int, t: float) -> float:
 @pytest.mark.parametrize("seed", range(8))
 def test_modes_flow_as_the_matrix_exponential(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    problem = random_dragged_joint(rng)
+    problem = dragged_cantilever(rng)
     assert oscillators_flow(problem, int(rng.integers(3, 12)), 10 ** rng.uniform(-2, 0)) < 1e-9
 
 
 @cache
 def critical() -> tuple[Problem, float]:
     """A joint, and the viscous coefficient at which one of five complex modes becomes critical, by halving, N s/m2."""
-    problem, count = random_dragged_joint(np.random.default_rng(3)), 5
+    problem, count = dragged_cantilever(np.random.default_rng(3)), 5
     joint = Joint(problem.replace(damping=ViscousDamping(coefficient=1.0)), count, count)
     omega, it = joint.modal(FREE).modes.omega, joint.coupled(FREE)
     assert it is not None
@@ -58,35 +58,9 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     assert oscillators_flow(problem.replace(damping=ViscousDamping(coefficient=C * (1 + apart))), 5, 0.5) < 1e-9
 
 
-def test_motions_switch_where_brute_force_finds_it() -> None:
-    check_motion(5, random_dragged_joint, 0.7)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(110))
-def test_many_motions_switch_where_brute_force_finds_it(seed: int) -> None:
-    check_motion(seed, random_dragged_joint)
-
-
-@pytest.mark.parametrize("seed", [1])
-def test_deviations_travel_as_finite_differences(seed: int) -> None:
-    check_tangent(seed, random_dragged_joint)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, *range(2, 60)])
-def test_many_deviations_travel_as_finite_differences(seed: int) -> None:
-    check_tangent(seed, random_dragged_joint)
-
-
-@pytest.mark.slow
-def test_certified_motions_stay() -> None:
-    assert sum(check_steady(seed, random_dragged_joint) for seed in range(82)) >= 60
-
-
 @pytest.mark.parametrize("mass", [1e-12, 1e-9, 1e-6])
 def test_a_mass_that_vanishes_leaves_the_uncoupled_motion(mass: float) -> None:
-    problem = random_dragged_joint(np.random.default_rng(1)).replace(
+    problem = dragged_cantilever(np.random.default_rng(1)).replace(
         beam=Problem.model_validate(PLAIN).beam, damping=ViscousDamping(coefficient=0.7), masses=()
     )
     problem = problem.replace(stops=tuple(s.model_copy(update={"damping": 0.0}) for s in problem.stops))
@@ -102,7 +76,7 @@ PLAIN = {"beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.
 
 
 def test_a_section_point_of_more_modes_keeps_the_motion_of_the_fewer() -> None:
-    problem = random_dragged_joint(np.random.default_rng(4))
+    problem = dragged_cantilever(np.random.default_rng(4))
     many, few = (Solver(n_modes=n).period_map(problem) for n in (9, 6))
     point = many.initial()
     taken = few.adopted(point)
@@ -131,7 +105,7 @@ def test_a_free_bar_with_a_heavy_end_drifts_at_the_speed_that_drag_allows() -> N
 
 
 def test_what_coupling_drag_does_not_reach_is_refused() -> None:
-    problem = random_dragged_joint(np.random.default_rng(0))
+    problem = dragged_cantilever(np.random.default_rng(0))
     with pytest.raises(InputError, match=r'damping\.kind = "viscous": branches need beams without masses'):
         _ = Solver(n_modes=3).period_map(problem).arcs
     record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}
@@ -141,8 +115,8 @@ def test_what_coupling_drag_does_not_reach_is_refused() -> None:
 
 
 def test_the_lowest_damping_rate_is_that_of_the_slowest_complex_mode() -> None:
-    problem = random_dragged_joint(np.random.default_rng(0)).replace(damping=ViscousDamping(coefficient=0.2))
-    solver, joint = Solver(n_modes=8), Joint(random_dragged_joint(np.random.default_rng(0)), 8, 8)
+    problem = dragged_cantilever(np.random.default_rng(0)).replace(damping=ViscousDamping(coefficient=0.2))
+    solver, joint = Solver(n_modes=8), Joint(dragged_cantilever(np.random.default_rng(0)), 8, 8)
     omega, it = joint.modal(FREE).modes.omega, Joint(problem, 8, 8).coupled(FREE)
     assert it is not None
     roots = np.linalg.eigvals(np.block([[np.zeros((8, 8)), np.eye(8)], [-np.diag(omega**2), -it.D]]))
@@ -151,7 +125,7 @@ def test_the_lowest_damping_rate_is_that_of_the_slowest_complex_mode() -> None:
 
 
 def test_undamped_modes_keep_away_from_a_load_of_their_frequency() -> None:
-    problem = random_dragged_joint(np.random.default_rng(2)).replace(stops=())
+    problem = dragged_cantilever(np.random.default_rng(2)).replace(stops=())
     omega = float(Solver().modes(problem, count=1).angular_frequencies[0])
     problem = problem.replace(base_motion=BaseMotion(amplitude=0.01, angular_frequency=omega))
     dampings = (NoDamping(), ViscousDamping(coefficient=1e-30), ViscousDamping(coefficient=1e-13))
