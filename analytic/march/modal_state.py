@@ -51,7 +51,8 @@ class LoadedStructure:
     problem: Problem
     """The problem with only the constant part of its loads."""
     positions: Positions
-    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads."""
+    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads, of which
+    stops that a recorded or random base moves are the last."""
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
@@ -116,7 +117,8 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     """
     if positions is None:
         forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
-        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled))
+        seen = () if forces.seen is None else (MOVED_STOPS,)
+        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled), *seen)
     steps = tuple((load.x, load.constant) for load in problem.point_loads)
     return _loaded_structure(problem.structure, steps, problem.gravity, problem.uniform_loads, positions)
 

@@ -49,6 +49,13 @@ class Model:
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
         self.damped = tuple(k for k, stop in enumerate(stops) if stop.damping > 0)
         """The damped stops, each of which has a second gap function, of its force; see `fe_lapjoint.march.coupled`."""
+        if self.problem.forces.seen is not None:
+            k = next(k for k, stop in enumerate(stops) if stop.in_space)
+            base = self.problem.base_motion
+            raise InputError(
+                f'stops[{k}].fixed_to = "space": base_motion.kind is "{getattr(base, "kind", "")}"; the finite element '
+                'solver takes stops fixed in space with bases that move by a "sine" or "harmonics", the analytic one all'
+            )
         if self.damped:
             self._refuse_what_damped_stops_do_not_reach()
 

@@ -48,11 +48,13 @@ def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: flo
     """The integral of F d' over each contact of one stop, J."""
     it, turning = history.problem.stops[stop], max(history.highest_mode or 0.0, history.problem.forces.fastest)
     times, weights, sizes = [], [], []
+    sampled = history.problem.forces.sampled
     for contact in contacts:
         inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]
-        edges = [np.zeros(0)]
-        for a, b in pairwise([contact.start, *inside.tolist(), contact.end]):
-            panels = _panels(a, b, turning, fastest) if b > a else np.array([a, b])
+        edges, knots = [np.zeros(0)], [force.knots_within(contact.start, contact.end) for force in sampled]
+        begun = {contact.start, *inside.tolist()}
+        for a, b in pairwise(np.unique(np.concatenate([[*begun, contact.end], *knots])).tolist()):
+            panels = _panels(a, b, turning, fastest if a in begun else turning)
             half, middle = np.diff(panels)[:, None] / 2, ((panels[:-1] + panels[1:]) / 2)[:, None]
             edges.append((middle + half * _NODES).ravel())
             weights.append((half * _WEIGHTS).ravel())

@@ -19,7 +19,7 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import InputError
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray, Problem
-from tests.helpers.damped_stops import Witnessed, random_damped_joint, witnessed
+from tests.helpers.damped_stops import Witnessed, random_damped_joint, sampled_joint, witnessed
 
 
 def pinned_bar(damping: float, may_pull: bool = False, stiffness: float = 100.0, force: float = -10.0) -> Problem:
@@ -154,10 +154,11 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     assert np.abs(scipy.linalg.expm(A * t) - it.to @ inner @ it.back).max() < 1e-9 * omega[0]
 
 
-def marched(seed: int) -> tuple[Problem, Joint, Any, Witnessed]:
-    """A random joint with damped stops, its march over 2 s, and the witness's."""
+def marched(seed: int, sampled: bool, end: float) -> tuple[Problem, Joint, Any, Witnessed]:
+    """A random joint with damped stops, its march to `end`, s, and the witness's; `sampled` drives it along ramps."""
     rng = np.random.default_rng(seed)
-    problem, n, end = random_damped_joint(rng), int(rng.integers(3, 7)), 2.0
+    problem, n = random_damped_joint(rng), int(rng.integers(3, 7))
+    problem = sampled_joint(seed) if sampled else problem
     joint = Joint(problem, n, n)
     start = started(joint)
     motion = march(joint, start, 0.0, end, depth=True)
@@ -165,9 +166,9 @@ def marched(seed: int) -> tuple[Problem, Joint, Any, Witnessed]:
     return problem, joint, motion, witnessed(joint, start.state, q, v, end)
 
 
-def check_motion(seed: int) -> int:
+def check_motion(seed: int, sampled: bool = False, end: float = 2.0) -> int:
     """Compare a march with the witness; the number of switches that end or begin a force alone."""
-    problem, joint, motion, witness = marched(seed)
+    problem, joint, motion, witness = marched(seed, sampled, end)
     rows = motion.log.stop[motion.log.stop >= 0].tolist()
     indices = tuple(joint.index_of(row) for row in rows)
     assert indices == witness.indices
@@ -195,6 +196,18 @@ def check_motion(seed: int) -> int:
 
 def test_motions_switch_where_brute_force_finds_it() -> None:
     assert sum(check_motion(seed) for seed in range(4)) > 5
+
+
+def test_motions_along_ramps_switch_where_brute_force_finds_it() -> None:
+    # a displacement record with stops in space and beside them, and random motion with a stop in space
+    assert check_motion(1, True, 0.7) + check_motion(2, True, 1.0) > 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 40, 4))
+def test_motions_of_many_joints_along_ramps_switch_where_brute_force_finds_it(first: int) -> None:
+    for seed in range(first, first + 4):
+        check_motion(seed, True, 1.5)
 
 
 @pytest.mark.slow
