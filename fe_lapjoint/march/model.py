@@ -54,7 +54,8 @@ class Model:
             base = self.problem.base_motion
             raise InputError(
                 f'stops[{k}].fixed_to = "space": base_motion.kind is "{getattr(base, "kind", "")}"; the finite element '
-                'solver takes stops fixed in space with bases that move by a "sine" or "harmonics", the analytic one all'
+                'solver takes stops fixed in space with a "sine" or "harmonics", and the analytic solver takes records '
+                "and random motion, too"
             )
         if self.damped:
             self._refuse_what_damped_stops_do_not_reach()
