@@ -145,6 +145,8 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
 def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
     """Where stops press the straight beam at t = 0, and their forces on it, N, positive upwards."""
     base, found = sum(wave.amplitude * math.sin(wave.phase) for wave in problem.moved_stops), []
+    if problem.forces.seen is not None:
+        base = float(problem.forces.seen.at(np.zeros(1))[0])
     for stop in problem.structure.stops:
         depth = stop.sign * base * stop.base_share - stop.gap
         if depth > 0:

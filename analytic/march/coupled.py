@@ -31,7 +31,6 @@ import numpy as np
 import scipy.linalg
 
 from analytic.march.drag import drag_of
-from analytic.march.loads import Harmonics
 from analytic.march.modal_state import LoadedStructure, ModalState, modal_state
 from analytic.march.oscillator import (
     OSCILLATING,
@@ -54,6 +53,9 @@ _NEARLY_DOUBLE = 3e6
 """Condition number of the eigenvectors above which the damping is changed a little: results then keep nine digits."""
 _LITTLE = 1e-13
 """Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
+SAMPLED = 1j
+"""The time derivative of a sampled load, as that of a harmonic is i omega: of two numbers for a sampled load, the real
+part is that of the load, the imaginary part that of its rate."""
 _TRIES = 8  # most such changes, each twice the one before
 _STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
 
@@ -71,9 +73,13 @@ class Coupled:
     back: FloatArray
     """The inverse of T."""
     lag: ComplexArray
-    """r of each load, kg^1/2 m/s, shape ``(1 + H, N)``."""
+    """r of each load, kg^1/2 m/s, shape ``(1 + H + R, N)``; that of a sampled load's rate in the imaginary part."""
+    carried: ComplexArray
+    """`lag` without the rates of sampled loads, which jump at knots: a march along ramps carries V less their part of r
+    from segment to segment, see `analytic.march.ramps`."""
     push: ComplexArray
-    """F of each load, kg^1/2 m/s^2, shape ``(1 + H, N)``."""
+    """F of each load, kg^1/2 m/s^2, shape ``(1 + H + R, N)``, as `lag`; the rate of a sampled load's rate adds its
+    `lag`."""
     D: FloatArray
     """The damping matrix of the modes, 1/s, shape ``(N, N)``."""
 
@@ -217,17 +223,20 @@ def coupled(
     count: int,
     left_out: FloatArray,
     sizes: FloatArray,
-    harmonics: Harmonics,
+    turning: ComplexArray,
+    sampled: int,
+    moved: bool,
     side: float,
 ) -> Coupled:
-    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H,)``.
+    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H + R,)``.
 
-    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.  `side` is as in
-    `analytic.march.oscillator.away_from_resonance`.
+    `left_out`, m, ``(1 + H + R, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `turning` is
+    `Joint.turning`, and the last `sampled` loads are sampled.  `moved` says that the last load moves stops; a motion
+    that no spring holds does not feel it.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
     """
     problem, closed, n = loaded.problem, ContactState(state.closed), count
     modal = modal_state(loaded, closed, count)
-    f, turning = (modal.force * sizes[:, None]).astype(complex), np.concatenate([[0.0], 1j * harmonics.omega])
+    f = (modal.force * sizes[:, None]).astype(complex)
     if problem.structure.coupling_drag > 0:
         f -= turning[:, None] * drag_of(loaded, closed, count).left_out * sizes[:, None]
     for k in state.closed:
@@ -238,10 +247,16 @@ def coupled(
         elif stop.damping > 0:
             f -= stop.damping * np.outer(turning * left_out[:, k], phi)
     roots, to, back, D = free_oscillators(loaded, state, count)
-    roots = _detuned(roots, harmonics.omega, side)
+    roots = _detuned(roots, turning[1 : turning.size - sampled].imag, side)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
-    push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
-    return Coupled(roots, kinds_of(roots), to, back, lag, push, D)
+    if moved:
+        held = roots.prod(axis=1) != 0
+        lag[-1], rise[-1] = lag[-1] * held, rise[-1] * held
+    push = rise - roots.sum(axis=1).real * lag + turning[:, None] * lag
+    push[turning.size - sampled :] += lag[turning.size - sampled :].imag  # the rate of the rate is not minus the load
+    carried = lag.copy()
+    carried[turning.size - sampled :] = lag[turning.size - sampled :].real
+    return Coupled(roots, kinds_of(roots), to, back, lag, carried, push, D)
 
 
 def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
@@ -255,6 +270,26 @@ def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArr
     turn = 1j * np.sqrt(moved[which] ** 2 - rate[which] ** 2)
     found[rings[which]] = np.stack([turn, -turn], axis=1) - rate[which, None]
     return found
+
+
+def places_of(
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    it: Coupled,
+    turning: ComplexArray,
+) -> tuple[FloatArray, ComplexArray]:
+    """Weights of P and V at the places, kg^-1/2 and kg^-1/2 s, ``(U, 2, N)``, and what each load adds, m, ``(U, 1 + H +
+    R)``; arguments are as in `coupled`."""
+    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
+    plain, n = stops.size - damped_rows(problem).size, modal.size
+    tau = np.array([problem.structure.stops[k].damping / problem.structure.stops[k].stiffness for k in stops.tolist()])
+    tau[:plain] = 0.0
+    phi = modal.at_stops[stops]
+    reads = np.concatenate([phi, tau[:, None] * phi], axis=1) @ it.to
+    rest = left_out[:, stops].T * (1 + tau[:, None] * turning) - reads[:, n:] @ it.lag.T
+    return reads.reshape(-1, 2, n), rest
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:
@@ -273,8 +308,9 @@ def write_coupled(
     modal: ModalState,
     left_out: FloatArray,
     it: Coupled,
+    turning: ComplexArray,
 ) -> None:
-    """Write a coupled state, under loads of real size, into its empty slot; `left_out` is as in `coupled`."""
+    """Write a coupled state, under loads of real size, into its empty slot; arguments are as in `coupled`."""
     n, P = modal.size, len(problem.structure.stops)
     oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
     mode_of = np.concatenate([np.arange(n), split, oscillating])
@@ -289,22 +325,16 @@ def write_coupled(
     tables.push[slot, :, :n] = it.push
     for h, omega in enumerate(tables.omega.tolist()):
         tables.harmonic[slot, h, :n] = it.push[1 + h] / (it.stiffness - omega**2 + 1j * omega * it.damping)
-    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
-    plain = stops.size - damped_rows(problem).size
-    turning = np.concatenate([[0.0], 1j * tables.omega])
-    for u, k in enumerate(stops.tolist()):
-        tau = problem.structure.stops[k].damping / problem.structure.stops[k].stiffness if u >= plain else 0.0
-        phi = modal.at_stops[k]
-        reads = np.concatenate([phi, tau * phi]) @ it.to
-        still = left_out[:, k] * (1 + tau * turning) - it.lag @ reads[n:]
+    every, rest = places_of(problem, state, modal, left_out, it, turning)
+    for u, (reads, still) in enumerate(zip(every.reshape(-1, 2 * n), rest, strict=True)):
         tables.gradient[slot, u, :, :n] = reads.reshape(2, n)
         weight = reads[mode_of % n] + reads[n + mode_of] * root
         tables.weight[slot, u, :terms] = weight.real
         tables.weight[slot, u, n + split.size : terms] = weight[n + split.size :].imag
         tables.twist[slot, u, oscillating] = weight[oscillating].imag
         tables.constant[slot, u] = still[0].real
-        tables.forced[slot, u] = still[1:] + tables.harmonic[slot, :, :n] @ reads[:n]
-        tables.forced[slot, u] += turning[1:] * (tables.harmonic[slot, :, :n] @ reads[n:])
+        tables.forced[slot, u] = still[1 : 1 + tables.omega.size] + tables.harmonic[slot, :, :n] @ reads[:n]
+        tables.forced[slot, u] += 1j * tables.omega * (tables.harmonic[slot, :, :n] @ reads[n:])
     tables.own[slot] = n + split.size
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):

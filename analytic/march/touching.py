@@ -101,6 +101,10 @@ def base_motion(problem: Problem, order: int) -> tuple[float, float]:
             size * (math.sin(wave.phase), math.cos(wave.phase), -math.sin(wave.phase), -math.cos(wave.phase))[order % 4]
         )
         error += _ROUNDING * size * abs(wave.phase)
+    blocks = problem.forces.ramps
+    if blocks is not None and blocks.base is not None and order < 4:
+        value = float(blocks.base_at(np.zeros(1))[order, 0])
+        error = _ROUNDING * abs(value)
     return value, error
 
 
@@ -157,9 +161,10 @@ def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
     if joint.sampled:
         blocks = joint.problem.forces.ramps
         assert blocks is not None
-        ramps = [part[0] for part in blocks.at(np.zeros(1))]
-        factor.append(ramps[n] if n < 2 else np.zeros(joint.sampled))
-        largest.append(np.abs(factor[-1]))
+        ramps = blocks.at(np.zeros(1))[n][0] if n < 2 else np.zeros(len(blocks.forces))
+        base = [] if blocks.base is None else [base_motion(joint.problem, n)[0]]
+        factor += [ramps, np.array(base)]
+        largest += [np.abs(part) for part in factor[-2:]]
     size = np.concatenate(largest) @ np.abs(loads).max(axis=1, initial=0.0)
     return _or_nothing(np.concatenate(factor) @ loads, np.full(loads.shape[1], _ROUNDING * size))
 

@@ -56,12 +56,20 @@ class Model:
                 'damping.kind = "viscous": with masses, or a mass per length that changes, the finite element solver '
                 "takes harmonic and constant forces, and not records or random motion"
             )
+        if self.problem.forces.seen is not None:
+            k = next(k for k, stop in enumerate(stops) if stop.in_space)
+            base = self.problem.base_motion
+            raise InputError(
+                f'stops[{k}].fixed_to = "space": base_motion.kind is "{getattr(base, "kind", "")}"; the finite element '
+                'solver takes stops fixed in space with a "sine" or "harmonics", and the analytic solver takes records '
+                "and random motion, too"
+            )
         if self.damped:
             self._refuse_what_damped_stops_do_not_reach()
 
     def _refuse_what_damped_stops_do_not_reach(self) -> None:
-        k = self.damped[0]
-        text = f"stops[{k}].damping = {self.problem.structure.stops[k].damping:g}: the finite element solver takes damped stops "
+        k, stops = self.damped[0], self.problem.structure.stops
+        text = f"stops[{k}].damping = {stops[k].damping:g}: the finite element solver takes damped stops "
         if self.problem.forces.ramps is not None:
             raise InputError(text + "with harmonic and constant forces, and not with records or random motion")
         if self.method != "exact":

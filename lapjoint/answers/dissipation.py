@@ -70,11 +70,13 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
         max(history.highest_mode or 0.0, history.problem.forces.fastest),
     )
     times, weights, sizes, switches = [], [], [], history.switch_times
+    sampled = history.problem.forces.sampled
     for start, end, *_ in spans:
         inside = switches[(switches > start) & (switches < end)]
-        edges = [np.zeros(0)]
-        for a, b in pairwise([start, *inside.tolist(), end]):
-            panels = _panels(a, b, turning, fastest or turning) if b > a else np.array([a, b])
+        edges, knots = [np.zeros(0)], [force.knots_within(start, end) for force in sampled]
+        begun = {start, *inside.tolist()}
+        for a, b in pairwise(np.unique(np.concatenate([[*begun, end], *knots])).tolist()):
+            panels = _panels(a, b, turning, (fastest or turning) if a in begun else turning)
             half, middle = np.diff(panels)[:, None] / 2, ((panels[:-1] + panels[1:]) / 2)[:, None]
             edges.append((middle + half * _NODES).ravel())
             weights.append((half * _WEIGHTS).ravel())

@@ -387,14 +387,17 @@ def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict
 
 
 def _base_of_stops_in_space(problem: Problem) -> Iterator[str]:
-    """A line if the base does not move as a sum of sines, and a stop is fixed in space, so that its gap sees y(t)."""
+    """A line if stops fixed in space see a displacement that is integrated from a record whose drift is not removed."""
     base = problem.base_motion
+    if not isinstance(base, RecordBaseMotion) or base.quantity == "displacement" or base.remove == "drift":
+        return
     for i, stop in enumerate(problem.stops):
-        if stop.in_space and isinstance(base, Record | Random):
+        if stop.in_space:
             yield (
-                f'stops[{i}].fixed_to = "space": base_motion.kind is "{base.kind}"; with stops fixed in space the base '
-                'may move by a "sine" or "harmonics"'
+                f'stops[{i}].fixed_to = "space": base_motion.remove is "{base.remove}"; a record of {base.quantity} is '
+                'integrated to the displacement that this stop sees, so its drift must go: remove = "drift"'
             )
+            return
 
 
 def _warn_of_excitation(problem: Problem) -> None:

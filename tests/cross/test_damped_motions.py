@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from damped_stops import Draw, Marched, by_elements, by_modes, pinned_bar
+from damped_stops import Draw, Marched, by_elements, by_modes, pinned_bar, sampled_joint
 from random_joints import damped_cantilever, dragged_cantilever
 
 import analytic
 import fe_lapjoint
+from lapjoint import Problem
+from lapjoint.problem import Mass, ViscousDamping
 
 Solver = analytic.Solver | fe_lapjoint.Solver
 BARS = (
@@ -141,6 +143,24 @@ def test_motions_whose_damping_couples_modes_switch_where_brute_force_finds_it()
 )
 def test_many_motions_whose_damping_couples_modes_do(marched: March, seed: int) -> None:
     check_motion(marched, seed, draw=dragged_cantilever)
+
+
+def along_ramps(rng: np.random.Generator) -> Problem:
+    """A random cantilever that a record or random motion drives, with stops in space as frequent as others."""
+    return sampled_joint(int(rng.integers(1000)))
+
+
+def dragged_along_ramps(rng: np.random.Generator) -> Problem:
+    """The same with a mass at its tip, under viscous damping, which couples its modes."""
+    return along_ramps(rng).replace(
+        masses=(Mass(x=1.0, mass=0.3),), damping=ViscousDamping(coefficient=float(rng.uniform(0.1, 3)))
+    )
+
+
+@pytest.mark.parametrize("draw", [along_ramps, dragged_along_ramps])
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 60))])
+def test_motions_along_ramps_switch_where_brute_force_finds_it(draw: Draw, seed: int) -> None:
+    check_motion(by_modes, seed, 1.2, draw)
 
 
 def check_derivative(solver: Solver, seed: int, draw: Draw = damped_cantilever) -> None:

@@ -156,12 +156,20 @@ def simpson_steps(rate: Callable[[FloatArray], FloatArray], t: FloatArray) -> Fl
     return width / 6 * (rate(t[:-1] + inner) + 4 * rate((t[:-1] + t[1:]) / 2) + rate(t[1:] - inner))
 
 
-def test_bases_that_are_no_sums_of_sines_are_refused_with_stops_in_space() -> None:
+def test_records_that_drift_are_refused_with_stops_in_space() -> None:
     stop = Stop(x=1.0, side="top", gap=IN_SPACE, stiffness=60.0, fixed_to="space")
     joint = unit_cantilever(stop.model_copy(update={"fixed_to": "base"}), stop)
-    record = RecordBaseMotion(quantity="displacement", rate=100.0, values=[0.0, 1e-4, 0.0, -1e-4, 0.0], unit="m")
-    random = RandomBaseMotion(psd=[[1.0, 1e-6], [2.0, 1e-6]], seed=1)
-    for base in (record, random):
-        for change in (joint.replace, joint.with_excitation):
-            with pytest.raises(InputError, match=r'stops\[1\].fixed_to = "space": base_motion.kind is'):
-                change(base_motion=base)
+    values = [0.0, 1e-4, 0.0, -1e-4, 0.0]
+    for quantity in ("acceleration", "velocity"):
+        for remove in ("nothing", "offset"):
+            base = RecordBaseMotion(quantity=quantity, rate=100.0, values=values, remove=remove)
+            for change in (joint.replace, joint.with_excitation):
+                with pytest.raises(
+                    InputError, match=rf'stops\[1\].fixed_to = "space": base_motion.remove is "{remove}"'
+                ):
+                    change(base_motion=base)
+        joint.replace(base_motion=RecordBaseMotion(quantity=quantity, rate=100.0, values=values, remove="drift"))
+    joint.replace(base_motion=RecordBaseMotion(quantity="displacement", rate=100.0, values=values))
+    joint.replace(base_motion=RandomBaseMotion(psd=[[1.0, 1e-6], [2.0, 1e-6]], seed=1))
+    with pytest.raises(InputError, match=r"psd\[0\]\[0\] = 0.0: must be greater than 0"):  # y would have no variance
+        RandomBaseMotion(psd=[[0.0, 1e-6], [2.0, 1e-6]], seed=1)

@@ -53,10 +53,78 @@ class Witnessed:
     """Energy lost in each stop, J, shape ``(P,)``."""
 
 
+def sampled_joint(seed: int, **options: bool) -> Problem:
+    """A joint of `damped_cantilever`, driven by a record or by random motion, beside a step load and often a random
+    one; stops in space are as frequent as others."""
+    rng = np.random.default_rng([seed, 47])
+    joint = damped_cantilever(rng, **options)
+    kind, t = (
+        str(rng.choice(["displacement", "acceleration", "random"])),
+        np.linspace(0.0, 4.0, int(rng.integers(40, 90))),
+    )
+    lines = [(10 ** rng.uniform(-1.5, -0.7), rng.uniform(2, 12), rng.uniform(0, 6)) for _ in range(3)]
+    order = 2 if kind == "acceleration" else 0
+    values = sum(a * w**order * np.sin(w * t + phase) for a, w, phase in lines)
+    record = {
+        "kind": "record",
+        "quantity": kind,
+        "values": values,
+        "times": t,
+        "remove": "drift" if order else "nothing",
+    }
+    psd = {"kind": "random", "psd": [[0.4, float(rng.uniform(0.02, 0.5))], [1.5, 0.5]], "seed": seed}
+    loads = [*joint.point_loads]
+    if rng.random() < 0.5:
+        force = {"kind": "random", "x": 0.6, "psd": [[0.5, 0.01], [1.2, 0.02]], "rate": 7.3, "seed": seed}
+        loads.append(force)  # type: ignore[arg-type]
+    space = [stop.model_copy(update={"fixed_to": str(rng.choice(["base", "space"]))}) for stop in joint.stops]
+    return Problem.model_validate(
+        {
+            "beam": joint.beam,
+            "supports": joint.supports,
+            "stops": space,
+            "damping": joint.damping,
+            "base_motion": psd if kind == "random" else record,
+            "point_loads": loads,
+            "initial": joint.initial,
+        }
+    )
+
+
+def knots_of(problem: Problem) -> FloatArray:
+    """Times between which all sampled forces are linear, s, up to 20 s."""
+    found = [force.knots_within(0.0, min(force.end, 20.0)) for force in problem.forces.sampled]
+    return np.unique(np.concatenate([np.zeros(0), *found]))
+
+
+def ends_of(knots: FloatArray, t: float) -> FloatArray:
+    """The knots, s, between which a time is, s: at a knot, it and the next one; none without knots."""
+    before = min(int(np.searchsorted(knots, t * (1 + 1e-14), side="right")) - 1, knots.size - 2)
+    return knots[before : before + 2] if knots.size else knots
+
+
+def loads_at(joint: Joint, t: float, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The loads of a joint that are not constant, and their rates, at a time between two knots `ends`, s."""
+    theta, omega, forces = joint.harmonics.theta(t), joint.harmonics.omega, joint.problem.forces
+    loads, rates = [*np.sin(theta)], [*omega * np.cos(theta)]
+    if forces.sampled:
+        for force in forces.sampled:
+            one, other = force.at(ends)
+            slope = (other - one) / (ends[1] - ends[0])
+            loads.append(one + slope * (t - ends[0]))
+            rates.append(slope)
+    if MOVED_STOPS in joint.loaded.positions[omega.size :]:
+        base = joint.problem.base_motion
+        assert base is not None
+        loads.append(float(base.at(np.array([t]))[0]))
+        rates.append(float(base.at(np.array([t]), 1)[0]))
+    return np.array(loads), np.array(rates)
+
+
 class _State:
     """The motion in one contact state: rates of (q, v, impulses, energies), and the functions that end it."""
 
-    def __init__(self, joint: Joint, state: ContactState) -> None:
+    def __init__(self, joint: Joint, state: ContactState, start: float) -> None:
         stops = joint.problem.stops
         modal = joint.modal(ContactState(state.closed))
         self._joint, self._stops, self.n = joint, stops, modal.size
@@ -78,21 +146,22 @@ class _State:
         self._drag, self._drag_of_loads = (shapes * drag) @ shapes.T, (rest * drag) @ shapes.T
         self.pulls = np.array([stop.may_pull for stop in stops])
         self.fastest = max([self._natural.max(), *joint.harmonics.omega])
+        self._ends = ends_of(knots_of(joint.problem), start)
         force = [~i for i, stop in enumerate(stops) if stop.damping > 0 and self._closed[i] and not stop.may_pull]
         self.indices = [*range(len(stops)), *force]
         """What may switch, as `ContactState.toggled` takes it."""
 
     def _depths(self, t: float, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-        theta, omega = self._joint.harmonics.theta(t), self._joint.harmonics.omega
-        z = self._phi @ y[: self.n] + self._left_out[0] + np.sin(theta) @ self._left_out[1:]
-        rate = self._phi @ y[self.n : 2 * self.n] + (omega * np.cos(theta)) @ self._left_out[1:]
+        loads, rates = loads_at(self._joint, t, self._ends)
+        z = self._phi @ y[: self.n] + self._left_out[0] + loads @ self._left_out[1:]
+        rate = self._phi @ y[self.n : 2 * self.n] + rates @ self._left_out[1:]
         return self._sign * z - self._gap, self._sign * rate
 
     def rates(self, t: float, y: FloatArray) -> FloatArray:
         """d/dt of q, v, impulses and energies lost."""
         d, d1 = self._depths(t, y)
         F = np.where(self._acts, self._k * d + self._c * d1, 0.0)
-        force = self._load[0] + np.sin(self._joint.harmonics.theta(t)) @ self._load[1:]
+        force = self._load[0] + loads_at(self._joint, t, self._ends)[0] @ self._load[1:]
         force = force + (self._sign * (np.where(self._closed, self._k * d, 0.0) - F)) @ self._phi
         q, v = y[: self.n], y[self.n : 2 * self.n]
         lost = np.where(self.pulls, F, np.maximum(F, 0.0)) * d1
@@ -129,38 +198,45 @@ def _quadrature(problem: Problem) -> tuple[FloatArray, FloatArray]:
 
 def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, end: float) -> Witnessed:
     """March displacements `q` and velocities `v` of the modes of `state` from the time 0 to `end`, s."""
-    t, P, times, indices = 0.0, len(joint.problem.stops), [], []
+    t, P, times, indices, began = 0.0, len(joint.problem.stops), [], [], True
+    knots = knots_of(joint.problem)
     totals = np.zeros((2, P))
     while t < end:
-        now, y = _State(joint, state), np.concatenate([q, v, totals.ravel()])
-        soon = t + _SOON, y + _SOON * _State(joint, state).rates(t, y)
-        level = {index: max(now.gap_function(index, t, y), 0.0) for index in now.indices}
+        now, y = _State(joint, state, t), np.concatenate([q, v, totals.ravel()])
+        soon = t + _SOON, y + _SOON * now.rates(t, y)
+        if began:  # the levels are those at which the state was entered
+            before = totals
+            level = {index: max(now.gap_function(index, t, y), 0.0) for index in now.indices}
+        until = min([end, *knots[knots > t * (1 + 1e-14)][:1]])
+        jumped = [i for i in now.indices if not began and i < 0 and now.gap_function(i, t, y) > level[i] * (1 + 1e-9)]
         # few modes may leave a stop beyond its switch, from which it moves farther
         beyond = [i for i in now.indices if 0 < level[i] < now.gap_function(i, *soon) and indices[-1:] != [i]]
-        if beyond:
-            index = beyond[0]
+        if jumped or (began and beyond):
+            index = (jumped or beyond)[0]
         else:
             events = [now.event(index, level[index] * (1 + 1e-9)) for index in now.indices]
             options = {"rtol": 1e-12, "atol": 1e-15, "max_step": _TURN / now.fastest}
-            found = solve_ivp(now.rates, (t, end), y, method="DOP853", events=events, **options)
-            t, y, before = float(found.t[-1]), found.y[:, -1], totals
+            found = solve_ivp(now.rates, (t, until), y, method="DOP853", events=events, **options)
+            t, y = float(found.t[-1]), found.y[:, -1]
             q, v, totals = y[: now.n], y[now.n : 2 * now.n], y[2 * now.n :].reshape(2, P)
-            # with few modes a force may pull just after a touch: an impulse takes what a segment comes to if it presses
-            pressed = np.maximum(totals[0] - before[0], 0.0)
-            totals[0] = before[0] + np.where(now.pulls, totals[0] - before[0], pressed)
             hit = [index for index, at in zip(now.indices, found.t_events, strict=True) if at.size]
+            began = bool(hit)
+            if hit or t >= end:
+                # with few modes a force may pull just after a touch: an impulse takes a state's sum if it presses
+                pressed = np.maximum(totals[0] - before[0], 0.0)
+                totals[0] = before[0] + np.where(now.pulls, totals[0] - before[0], pressed)
             if not hit:
-                break
+                continue
             index = hit[0]
         times.append(t)
         indices.append(index)
         after = state.toggled(index)
         if index >= 0:
-            theta, omega = joint.harmonics.theta(t), joint.harmonics.omega
+            loads, rates = loads_at(joint, t, ends_of(knots, t))
             passage = joint.passage(ContactState(state.closed), ContactState(after.closed))
-            q = passage.S @ q + passage.residual[0] + np.sin(theta) @ passage.residual[1:]
-            v = passage.S @ v + (omega * np.cos(theta)) @ passage.residual[1:]
-        state = after
+            q = passage.S @ q + passage.residual[0] + loads @ passage.residual[1:]
+            v = passage.S @ v + rates @ passage.residual[1:]
+        state, began = after, True
     sign = np.array([stop.sign for stop in joint.problem.stops])
     return Witnessed(np.array(times), tuple(indices), state, q, v, sign * totals[0], totals[1])
 

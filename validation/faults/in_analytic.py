@@ -66,8 +66,8 @@ ANALYTIC = (
         "a term dropped",
         "analytic:_fill",
         "What damping makes of a force that grows is missed.",
-        old="-np.divide(...)",
-        new="-0.0 * np.divide(...)",
+        old="by.force.imag - twice * gain",
+        new="by.force.imag - 0.0 * twice * gain",
     ),
     Fault(
         "analytic-record-kick",
