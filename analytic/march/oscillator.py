@@ -37,8 +37,9 @@ def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
-    drag = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
-    return np.full(omega.size, 0.0 if problem.structure.coupling_drag else drag / (2 * problem.line.m))
+    if problem.structure.coupling_drag or not isinstance(damping, ViscousDamping):
+        return np.zeros(omega.size)
+    return np.full(omega.size, damping.coefficient / (2 * problem.line.m))
 
 
 @njit_inner()

@@ -133,12 +133,13 @@ class Tables(NamedTuple):
     """Number of terms without second copies, 0 in states without copies, shape ``(S,)``; see
     `analytic.march.coupled`."""
     twist: FloatArray
-    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; without damped stops ``(S, 0, 0)``."""
+    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; ``(S, 0, 0)`` if no
+    state may be coupled."""
     gradient: FloatArray
     """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
-    N)``; without damped stops ``(S, 0, 2, 0)``."""
+    N)``; ``(S, 0, 2, 0)`` if no state may be coupled."""
     push: ComplexArray
-    """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; without damped stops ``(S, 0, 0)``."""
+    """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; ``(S, 0, 0)`` if none may be."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
     passage: IntArray
@@ -150,7 +151,7 @@ class Tables(NamedTuple):
     R, N)``."""
     whole: FloatArray
     """(q, v) after each known switch for units of (q, v) before, shape ``(K, 2, N, 2, N)``, which stands in for `carry`
-    where stops are damped; ``(K, 2, 0, 2, 0)`` without damped stops."""
+    where states may be coupled; ``(K, 2, 0, 2, 0)`` if no state may be coupled."""
     whole_load: ComplexArray
     """The part of (q, v) after each known switch that the loads bring, kg^1/2 m and kg^1/2 m/s, shape ``(K, 1 + H, 2,
     N)``, or ``(K, 1 + H, 2, 0)``."""
@@ -167,8 +168,8 @@ class Tables(NamedTuple):
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
     owner: IntArray
-    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` without
-    damped stops.  See `analytic.march.coupled`."""
+    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` if no
+    state may be coupled.  See `analytic.march.coupled`."""
     step: FloatArray
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     unit: float

@@ -222,11 +222,13 @@ def _of_damping(joint: Structure) -> Iterator[str]:
     if isinstance(damping, ViscousDamping):
         critical = 2 * line.m * line.slowest_bending
         couples = joint.coupling_drag > 0
-        most, beside = (_MOST_COUPLING, "with masses or steps of mass ") if couples else (_MOST_DAMPED, "")
+        most, beside = (
+            (_MOST_COUPLING, ", where masses or steps of mass couple the modes") if couples else (_MOST_DAMPED, "")
+        )
         if not damping.coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must {beside}be at most {most:g} times the critical "
-                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2"
+                f"damping.coefficient = {damping.coefficient:g}: must be at most {most:g} times the critical "
+                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2{beside}"
             )
 
 

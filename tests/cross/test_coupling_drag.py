@@ -95,13 +95,14 @@ def test_a_free_decay_is_the_sum_of_the_complex_modes() -> None:
 
 
 def test_both_solvers_agree_on_the_contacts_of_a_joint() -> None:
-    problem = dragged_cantilever(np.random.default_rng(3))
+    problem = dragged_cantilever(np.random.default_rng(5))
+    problem = problem.replace(stops=tuple(stop.model_copy(update={"damping": 0.0}) for stop in problem.stops))
     one, other = (
         solver.simulate(problem, 0.8, errors=False).contacts
-        for solver in (analytic.Solver(n_modes=14), fe_lapjoint.Solver(elements=12))
+        for solver in (analytic.Solver(n_modes=20), fe_lapjoint.Solver(elements=16))
     )
     assert len(one) >= 1
     for a, b in zip(one, other, strict=True):
         assert (a.stop, a.open_end) == (b.stop, b.open_end)
-        assert a.start == pytest.approx(b.start, abs=1e-3)
-        assert a.impulse == pytest.approx(b.impulse, rel=1e-3)
+        assert a.start == pytest.approx(b.start, abs=1e-4)
+        assert a.impulse == pytest.approx(b.impulse, rel=1e-3)  # ten times what both truncations come to

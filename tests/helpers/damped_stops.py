@@ -161,12 +161,12 @@ class _State:
         """d/dt of q, v, impulses and energies lost."""
         d, d1 = self._depths(t, y)
         F = np.where(self._acts, self._k * d + self._c * d1, 0.0)
-        force = self._load[0] + loads_at(self._joint, t, self._ends)[0] @ self._load[1:]
+        loads, rates = loads_at(self._joint, t, self._ends)
+        force = self._load[0] + loads @ self._load[1:]
         force = force + (self._sign * (np.where(self._closed, self._k * d, 0.0) - F)) @ self._phi
         q, v = y[: self.n], y[self.n : 2 * self.n]
         lost = np.where(self.pulls, F, np.maximum(F, 0.0)) * d1
-        omega = self._joint.harmonics.omega
-        force = force - (omega * np.cos(self._joint.harmonics.theta(t))) @ self._drag_of_loads[1:] - self._drag @ v
+        force = force - rates @ self._drag_of_loads[1:] - self._drag @ v
         return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
 
     def gap_function(self, index: int, t: float, y: FloatArray) -> float:

@@ -317,8 +317,8 @@ def dragged_cantilever(rng: np.random.Generator, *, halves: bool = False) -> Pro
         segments = tuple(BeamSegment(to=to, bending_stiffness=e, mass_per_length=d) for to, e, d in parts)
     if kind != 0:
         for _ in range(int(rng.integers(1, 3))):
-            size, place = float(10 ** rng.uniform(-1.5, 0.5)), float(rng.uniform(0.2, 1))
-            place = 1.0 if rng.random() < 0.5 else 0.5 if halves else place
+            size = float(10 ** rng.uniform(-1.5, 0.5))
+            place = 1.0 if rng.random() < 0.5 else 0.5 if halves else float(rng.uniform(0.2, 1))
             masses.append(Mass(x=place, mass=size, rotary_inertia=size * float(rng.uniform(0, 0.02))))
     stops = joint.stops
     if rng.random() < 0.5:

@@ -108,10 +108,6 @@ def test_what_coupling_drag_does_not_reach_is_refused() -> None:
     problem = dragged_cantilever(np.random.default_rng(0))
     with pytest.raises(InputError, match=r'damping\.kind = "viscous": branches need beams without masses'):
         _ = Solver(n_modes=3).period_map(problem).arcs
-    record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}
-    shaken = problem.model_dump() | {"base_motion": None, "point_loads": [record], "stops": []}
-    with pytest.raises(InputError, match=r'damping\.kind = "viscous": .*and not records or random motion'):
-        Solver(n_modes=3).simulate(Problem.model_validate(shaken), 0.3)
 
 
 def test_the_lowest_damping_rate_is_that_of_the_slowest_complex_mode() -> None:

@@ -11,7 +11,7 @@ from analytic.modes.normal_modes import exact_modes
 from analytic.modes.overlaps import overlaps
 from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.problem import FloatArray, Mass
-from tests.helpers.laden_beams import random_beam
+from tests.helpers.random_joints import random_beam
 
 MODES = 20
 DIGITS = 30
