@@ -55,16 +55,8 @@ DAMPED = partial(real_joint, also=("damped stops",))
 
 
 def real_march(seed: int, index: int) -> tuple[Problem, float]:
-    """The problem of `real_joint`, and some periods of its base, s."""
-    return _with_periods(real_joint(seed, index))
-
-
-def damped_march(seed: int, index: int) -> tuple[Problem, float]:
-    """The problem of `DAMPED`, and some periods of its base, s."""
-    return _with_periods(DAMPED(seed, index))
-
-
-def _with_periods(problem: Problem) -> tuple[Problem, float]:
+    """The same problem, and some periods of its base, s."""
+    problem = real_joint(seed, index)
     return problem, PERIODS * problem.require_excitation_period("test")
 
 
