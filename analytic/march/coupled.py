@@ -250,10 +250,11 @@ def coupled(
     roots = _detuned(roots, turning[1 : turning.size - sampled].imag, side)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     if moved:
-        held = roots.prod(axis=1) != 0
-        lag[-1], rise[-1] = lag[-1] * held, rise[-1] * held
+        lag[-1], rise[-1] = (part[-1] * np.any(roots != 0, axis=1) for part in (lag, rise))
     push = rise - roots.sum(axis=1).real * lag + turning[:, None] * lag
     push[turning.size - sampled :] += lag[turning.size - sampled :].imag  # the rate of the rate is not minus the load
+    if moved:
+        push[-1].real[roots.prod(axis=1) == 0] = 0.0
     carried = lag.copy()
     carried[turning.size - sampled :] = lag[turning.size - sampled :].real
     return Coupled(roots, kinds_of(roots), to, back, lag, carried, push, D)

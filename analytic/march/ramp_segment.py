@@ -101,12 +101,12 @@ def start_on_ramps(
             wave = tables.harmonic[slot, h, i] * theta[h]
             x -= wave.imag
             y -= tables.omega[h] * wave.real
+        for r in range(L):
+            f, g, bend, _ = load_at(ramps, j, r, t)
+            x -= f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
+            y += g * (ramps.jolt[slot, r, i] - ramps.gain[slot, r, i]) - bend * ramps.lag[slot, r, i]
         if ramps.rigid[slot, 0] != i and ramps.rigid[slot, 1] != i:
             x -= tables.static[slot, i, 0]
-            for r in range(L):
-                f, g, bend, _ = load_at(ramps, j, r, t)
-                x -= f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
-                y += g * (ramps.jolt[slot, r, i] - ramps.gain[slot, r, i]) - bend * ramps.lag[slot, r, i]
             if tables.kind[slot, i] == OSCILLATING:
                 root = tables.root[slot, i]
                 term[i] = complex(x, -(y - root.real * x) / root.imag)
@@ -127,7 +127,6 @@ def start_on_ramps(
             pull = ramps.pull[slot, b, 1 + r]
             force += pull[0] * f + pull[1] * g
             slope += pull[0] * g
-            y += pull[2] * g
         body[b, 0], body[b, 1], body[b, 2] = x, y, force - drag * y
         body[b, 3] = slope - drag * body[b, 2]
     if tables.own[slot] > 0:
@@ -159,8 +158,9 @@ def over_knot(
             term[t] += change * kick[t]
         for b in range(2):
             if ramps.rigid[slot, b] >= 0:
-                pull, drag = ramps.pull[slot, b, 1 + r], drag_of(ramps, slot, b)
-                speed = pull[2] * change
+                pull, drag, i = ramps.pull[slot, b, 1 + r], drag_of(ramps, slot, b), ramps.rigid[slot, b]
+                speed = (pull[2] - ramps.gain[slot, r, i]) * change
+                body[b, 0] -= ramps.lag[slot, r, i] * change
                 acceleration = pull[1] * change - drag * speed
                 body[b, 1] += speed
                 body[b, 2] += acceleration

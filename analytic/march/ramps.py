@@ -222,15 +222,19 @@ def _fill(made: RampTables, joint: Joint, slot: int, by: _Pushed) -> None:
     square, twice = (root[:n] * others).real, -(root[:n] + others).real  # omega^2 and 2 a
     elastic = square > 0
     soft = np.divide(1.0, square, out=np.zeros(n), where=elastic)
+    lossy = np.divide(1.0, twice, out=np.zeros(n), where=~elastic & (twice > 0))
     gain = by.force.real * soft
     lag = (by.force.imag - twice * gain) * soft
     by_speed = by.reads[:, 1] @ gain.T
     gain_at_stops = np.zeros((by.reads.shape[0], gain.shape[0]))
     if made.base.size:
-        bend = (by.jolt[-1] - twice * lag[-1] - gain[-1]) * soft
+        # a rigid-body motion with drag feels the rate of the base alone: its equation, integrated once
+        gain[-1] += by.force.imag[-1] * lossy
+        lag[-1] += (by.jolt[-1] - gain[-1]) * lossy
+        bend = (by.jolt[-1] - twice * lag[-1] - gain[-1]) * soft - lag[-1] * lossy
         gain[0] -= bend  # the first load is minus the acceleration of the base
-        lag[0] += (twice * bend + lag[-1]) * soft
-        by_speed[:, 0] -= by.reads[:, 1] @ bend
+        lag[0] += (twice * bend + lag[-1]) * soft + bend * lossy
+        by_speed = by.reads[:, 1] @ gain.T
         gain_at_stops[:, 0] = -by.reads[:, 1] @ lag[-1]
     made.gain[slot, :, :n], made.lag[slot, :, :n], made.jolt[slot, :, :n] = gain, lag, by.jolt
     x, y = -lag[:R], by.jolt[:R] - gain[:R]
