@@ -25,6 +25,7 @@ import numpy as np
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Line, Problem
 from lapjoint.problem.placing import masses_of, supports_of, uniform_load_shape
+from lapjoint.problem.problem import require_one_beam
 
 SAME = 1e-12
 """Positions nearer than this, in beam lengths, are one: a few thousand rounding errors, more than a sum accumulates."""
@@ -51,6 +52,7 @@ def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None)
     also raised if a fixed support, a stiff spring, a mass or a step is nearer than `CLOSE` to another part or to an
     end, without being at the same position.
     """
+    require_one_beam(problem, "the finite element solver")
     L = problem.line.length
     required = _required(problem)
     if given is not None:

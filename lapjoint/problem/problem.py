@@ -370,6 +370,12 @@ class Problem(Part):
         return made
 
 
+def require_one_beam(problem: Problem, who: str) -> None:
+    """Raise `InputError` for several beams, which `who` does not take."""
+    if problem.line.several:
+        raise InputError(f"beams: {who} takes one [beam], and no [[beams]]")
+
+
 def resting(structure: Structure, constant: tuple[ConstantForce, ...] = ()) -> Problem:
     """A structure at rest under constant forces, for all that depends on nothing else; no field of it is written."""
     made = Problem.model_construct(damping=structure.damping)
