@@ -86,6 +86,11 @@ class ContactState:
         return " + ".join(names) or "free"
 
 
+def stop_of(switch: int) -> int:
+    """The stop of a switch k, or ~k of its force; see `ContactState.toggled`."""
+    return switch if switch >= 0 else ~switch
+
+
 FREE = ContactState()
 MOST_STATES = 4096
 """Largest number of contact states in a list: twelve stops at different positions have this number."""

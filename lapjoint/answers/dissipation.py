@@ -13,6 +13,9 @@ import numpy as np
 from lapjoint.answers.history import History
 from lapjoint.problem import FloatArray
 
+OF_ENERGY = 1
+"""Order of the time derivative as which an energy lost in a damped stop converges: that of the velocity in the damper's
+force."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _TURN = 1.5
 """Turn of the fastest mode in one panel, rad: the integrand turns twice as far, and eight nodes give twelve digits."""

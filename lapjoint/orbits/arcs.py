@@ -70,11 +70,6 @@ class ContactSequence:
         return tuple(now >= 0 and one == now and two == ~now for one, two, now in before)
 
 
-def stop_of(switch: int) -> int:
-    """The stop of a switch k, or ~k of its force."""
-    return switch if switch >= 0 else ~switch
-
-
 def image_of(switch: int, twins: Sequence[int]) -> int:
     """The mirror image of a switch k, or ~k of a force; `twins` are the twins of the stops."""
     return twins[switch] if switch >= 0 else ~twins[~switch]

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.compiled_intervals import IndexArray
@@ -22,10 +23,6 @@ from lapjoint.problem import FloatArray
 PARTED = 0.1
 """Largest time between partners, divided by the time to the stop's nearest other contact, of motions that have not
 parted."""
-
-OF_ENERGY = 1
-"""Order of the time derivative as which an energy lost in a damped stop converges: that of the velocity in the damper's
-force."""
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import OF_ENERGY, Differences, differences, with_errors, without_contact_errors
+from lapjoint.orbits.contact_errors import Differences, differences, with_errors, without_contact_errors
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap

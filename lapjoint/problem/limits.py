@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +25,7 @@ from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import PlacedLink, Structure
 from lapjoint.problem.supports_and_stops import Support
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.written import Written
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a support, divided by EI / L^3, or by EI / L if it is torsional.
@@ -55,10 +52,12 @@ _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
 
-def faults_of_size(problem: Problem, joint: Structure) -> Iterator[str]:
-    """A line for each number of a problem, whose structure is `joint`, that is out of its limits; the parts are
-    valid."""
-    line, excitation = joint.line, problem.excitation_parts
+def faults_of_size(
+    problem: Written, joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]
+) -> Iterator[str]:
+    """A line for each number of a problem, whose structure is `joint`, that is out of its limits; the parts are valid,
+    and those of the excitation are given by their paths."""
+    line = joint.line
     yield from _of_inertia(problem, line)
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
@@ -109,7 +108,7 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(problem: Problem, joint: Structure) -> Iterator[str]:
+def _of_places(problem: Written, joint: Structure) -> Iterator[str]:
     """Parts within rounding of the root, and supports within rounding of each other: the messages ask whether a clamp
     was meant."""
     line = joint.line
@@ -136,7 +135,7 @@ def _of_places(problem: Problem, joint: Structure) -> Iterator[str]:
             )
 
 
-def _of_stiffness(problem: Problem, joint: Structure) -> Iterator[str]:
+def _of_stiffness(problem: Written, joint: Structure) -> Iterator[str]:
     """Springs too soft or too stiff, relative to the beams that they touch, for double precision."""
     line = joint.line
     for path, support in supports_of(problem, line):
@@ -176,7 +175,7 @@ def _of_springs(path: str, springs: Support | PlacedLink, beams: Sequence[Beam])
             )
 
 
-def _of_inertia(problem: Problem, line: Line) -> Iterator[str]:
+def _of_inertia(problem: Written, line: Line) -> Iterator[str]:
     """Masses too heavy, and steps or beams too unlike, for double precision to hold slow and fast modes."""
     for path, mass in masses_of(problem, line):
         beam = line.beams[line.beam_at(mass.x)]
@@ -252,7 +251,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
                     yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
 
 
-def _of_initial_state(problem: Problem, line: Line) -> Iterator[str]:
+def _of_initial_state(problem: Written, line: Line) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
     initial = problem.initial
     if isinstance(initial, AtRest | AtEquilibrium):

@@ -89,7 +89,7 @@ class Problem(Part):
         if not faults or can_be_placed(self):
             faults += [
                 *names_used_twice(self),
-                *faults_of_size(self, placed(self, self.line)),
+                *faults_of_size(self, placed(self, self.line), self._excitation),
                 *_base_of_stops_in_space(self),
             ]
         if not faults:
@@ -143,7 +143,7 @@ class Problem(Part):
     @cached_property
     def forces(self) -> Forces:
         """All that drives the beam, as lists of forces that solvers read."""
-        fundamental = common_fundamental(_angular_frequencies(self.excitation_parts).values())
+        fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
         return forces_of(self.structure, self.base_motion, self.point_loads, self.static_loads, fundamental)
 
     @cached_property
@@ -192,7 +192,7 @@ class Problem(Part):
         if self.random:
             path = next(iter(self.random))
             raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
-        found = _angular_frequencies(self.excitation_parts)
+        found = _angular_frequencies(self._excitation)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
             there += ' (kind = "harmonics" may state a lower one)'
@@ -210,10 +210,10 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self)
+        return hints(self, self.structure, self.forces)
 
     @property
-    def excitation_parts(self) -> dict[str, AnyBaseMotion | PointLoad]:
+    def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
         """The base motion and the point loads, by their paths."""
         base = {} if self.base_motion is None else {"base_motion": self.base_motion}
         return base | {f"point_loads[{i}]": load for i, load in enumerate(self.point_loads)}
@@ -221,12 +221,12 @@ class Problem(Part):
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
-        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
 
     @property
     def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
         """All random excitation, by its path."""
-        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
         """The problem with one seed, 0 or more, in all random parts, which are independent. See `with_seeds`."""
@@ -331,7 +331,7 @@ class Problem(Part):
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
         off = load_faults(made, made.line), _base_of_stops_in_space(made)
-        if any(map(any, off)) or any(faults_of_excitation(made.excitation_parts)):
+        if any(map(any, off)) or any(faults_of_excitation(made._excitation)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -377,8 +377,13 @@ def require_one_beam(problem: Problem, who: str) -> None:
 
 
 def resting(structure: Structure, constant: tuple[ConstantForce, ...] = ()) -> Problem:
-    """A structure at rest under constant forces, for all that depends on nothing else; no field of it is written."""
+    """A structure at rest under constant forces, for all that depends on nothing else.
+
+    It has no parts as a file states them: who reads them there, instead of those of the structure, gets an error.
+    """
     made = Problem.model_construct(damping=structure.damping)
+    for name in ("beam", "beams", "supports", "masses", "stops", "links"):
+        vars(made).pop(name, None)
     vars(made).update(structure=structure, line=structure.line, forces=Forces(constant, ()))
     return made
 

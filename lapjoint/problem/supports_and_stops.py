@@ -110,7 +110,18 @@ class PlacedStop:
         return LoadShape(points=self.reading)
 
     def seen(self, shape: Callable[[FloatArray], FloatArray]) -> float:
-        """What the gap sees of a displacement that is a function of the positions, ``(1,)``."""
+        """What the gap sees of a displacement.
+
+        Parameters
+        ----------
+        shape : callable
+            Takes positions on the line, m, shape ``(1,)``, and gives the displacement there, m, of the same shape.
+
+        Returns
+        -------
+        float
+            The sum of the displacements times their factors, m.
+        """
         return float(sum(factor * shape(np.array([x]))[0] for x, factor in self.reading))
 
     @property

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
-from lapjoint.orbits.contact_errors import OF_ENERGY
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.correlated_series import standard_error
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection

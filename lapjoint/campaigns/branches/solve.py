@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint.answers.branches import BifurcationKind
+from lapjoint.answers.contact_state import stop_of
 from lapjoint.answers.steady_state import SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.campaigns.branches.plain import plain_curve, plain_located, plain_start, start_of
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
@@ -17,7 +18,6 @@ from lapjoint.campaigns.point import Point, plain_section, point_of
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.errors import SolverError
 from lapjoint.machine.one_thread import in_one_thread
-from lapjoint.orbits.arcs import stop_of
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.errors import stated
 from lapjoint.orbits.branches.point import CurvePoint

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lapjoint.answers.contact_state import ContactState
-from lapjoint.orbits.arcs import ContactSequence, stop_of
+from lapjoint.answers.contact_state import ContactState, stop_of
+from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import CurvePoint
 from lapjoint.problem import FloatArray
@@ -22,7 +22,7 @@ def acts(state: ContactState, switch: int) -> bool:
 
 def lets_go(point: CurvePoint, switch: int) -> bool:
     """Whether a switch is of a damped stop that may not pull, and so opens after its force has ended."""
-    stop = point.problem.arcs(point.u).problem.stops[stop_of(switch)]
+    stop = point.problem.arcs(point.u).problem.structure.stops[stop_of(switch)]
     return switch >= 0 and stop.damping > 0 and not stop.may_pull
 
 

@@ -24,7 +24,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
-from lapjoint.orbits.arcs import ContactSequence, stop_of
+from lapjoint.answers.contact_state import stop_of
+from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.bifurcations import beside, nearest_of
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, scale_of, solved

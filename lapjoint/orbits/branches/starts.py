@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.contact_state import FREE, stop_of
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.arcs import ContactSequence, stop_of
+from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, resectioned
 from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
