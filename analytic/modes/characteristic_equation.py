@@ -53,6 +53,7 @@ from scipy.optimize import elementwise
 
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.problem import require_one_beam
 
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
@@ -135,6 +136,7 @@ def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
     """The beam with its supports and its `closed` stops as springs."""
+    require_one_beam(problem, "the analytic solver")
     beam, x = problem.line, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
 

@@ -24,8 +24,9 @@ from skfem.helpers import dd, ddot
 
 from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, NoDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.structure import Structure, structure_of
 
 
 @BilinearForm
@@ -62,6 +63,7 @@ def two_points(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x.ravel(), np.repeat(h, 2) / 2
 
 
+_UNDAMPED = NoDamping()
 _HELD = 1e-9
 """Springs that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
 
@@ -126,6 +128,16 @@ class Assembly:
                 row = self._shapes_of_all(np.array([self.place(it.x)]), derivative)[0] * L**derivative
                 M += size * np.outer(row, row)
         return M
+
+    @cached_property
+    def drag(self) -> FloatArray:
+        """Integrals of products of shape functions along the beam, m, ``(n, n)``: a viscous force of 1 N s/m2."""
+        L, unit = self.problem.line.length, unit_element()[1]
+        drag = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
+        for e, h in enumerate(np.diff(self.nodes)):
+            here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
+            drag[here, here] += h * unit * np.outer(scale, scale)
+        return np.asarray(drag[np.ix_(self.free, self.free)])
 
     def load(self, shape: LoadShape) -> FloatArray:
         """The load vector, ``(n,)``, of a load of size 1; read-only."""
@@ -227,12 +239,28 @@ class Assembly:
         return np.asarray(row * self.problem.line.length**derivative)
 
     @cached_property
-    def stop_places(self) -> npt.NDArray[np.int64]:
-        """For each stop the number of what its gap sees, from 0, shape ``(P,)``: stops that see the same share it."""
+    def without_stops(self) -> tuple[Structure, tuple[float, ...]]:
+        """The beams with supports, links and masses, without stops and damping, and the nodes, m: what modes depend
+        on."""
+        it = self.problem.structure
+        return structure_of(it.line, it.supports, (), _UNDAMPED, it.masses, it.links), tuple(self.nodes.tolist())
+
+    @cached_property
+    def base_shares(self) -> FloatArray:
+        """How much of the base's motion each stop's gap sees, shape ``(P,)``."""
+        return np.array([stop.base_share for stop in self.problem.structure.stops])
+
+    @cached_property
+    def stop_places(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+        """The first stop of each place, shape ``(p,)``, and the place of each stop, shape ``(P,)``.
+
+        The gaps of all stops of one place see the same.
+        """
         stops = self.problem.structure.stops
         seen = [(*((self.place(x), a) for x, a in stop.reading), (stop.base_share, 0.0)) for stop in stops]
         places = sorted(set(seen))
-        return np.array([places.index(one) for one in seen], dtype=np.int64)
+        place_of = np.array([places.index(one) for one in seen], dtype=np.intp)
+        return np.unique(place_of, return_index=True)[1], place_of
 
     @cached_property
     def stop_rows(self) -> FloatArray:
@@ -364,5 +392,11 @@ class Assembly:
 
 def _hermite(s: FloatArray, derivative: int) -> FloatArray:
     """Derivatives of the four cubic Hermite polynomials on [0, 1], shape ``(4, k)``."""
-    cubics = ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])
-    return np.array([np.polynomial.Polynomial(c).deriv(derivative)(s) + 0 * s for c in cubics])
+    return np.asarray(np.polynomial.polynomial.polyval(s, _cubics(derivative)))
+
+
+@cache
+def _cubics(derivative: int) -> FloatArray:
+    """Coefficients of 1, s, ... of derivatives of the four cubic Hermite polynomials, shape ``(4 - derivative, 4)``."""
+    cubics = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+    return np.asarray(np.polynomial.polynomial.polyder(cubics.T, derivative))

@@ -12,9 +12,9 @@ from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray, Line, NoDamping, PlacedStop
+from lapjoint.problem import FloatArray, Line, PlacedStop
 from lapjoint.problem.problem import resting
-from lapjoint.problem.structure import Structure, structure_of
+from lapjoint.problem.structure import Structure
 
 _SOFT = 0.1
 """Largest stiffness against a rigid-body motion that springs hold softly, for a displacement of 1 in root mean square
@@ -33,29 +33,21 @@ def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, Flo
     the mesh alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states
     whose closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
     """
-    return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
+    return _eigenmodes(*assembly.without_stops, _springs(assembly, state))
 
 
 def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
     """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; cached like the modes."""
-    return _weighted(*_mesh(assembly), _springs(assembly, state))
+    return _weighted(*assembly.without_stops, _springs(assembly, state))
 
 
 def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
     """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; cached like the modes."""
-    return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
+    return _transfer(*assembly.without_stops, _springs(assembly, old), _springs(assembly, new))
 
 
 Springs = tuple[tuple[tuple[tuple[float, float], ...], float], ...]
 """Closed stops: what the gap of each sees, see `PlacedStop.reading`, and the stiffness, N/m; ascending."""
-Mesh = tuple[Structure, tuple[float, ...]]
-"""A beam with its supports and masses, without stops and damping; and the nodes, m."""
-
-
-def _mesh(assembly: Assembly) -> Mesh:
-    it = assembly.problem.structure
-    joint = structure_of(it.line, it.supports, (), NoDamping(), it.masses, it.links)
-    return joint, tuple(assembly.nodes.tolist())
 
 
 def _assembled(joint: Structure, nodes: tuple[float, ...], springs: Springs = ()) -> Assembly:

@@ -64,6 +64,16 @@ class Stop(Part):
             raise ValueError(f"{missing}: is missing; a stop has x and side, or between if it is between two beams")
         return self
 
+    @property
+    def sign(self) -> int:
+        """-1 for a bottom stop, else +1: closed where ``sign`` times what the gap sees exceeds the gap."""
+        return -1 if self.side == "bottom" else 1
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the stop is fixed in space, and does not move with the base."""
+        return self.fixed_to == "space"
+
 
 @dataclass(frozen=True)
 class PlacedStop:
@@ -100,7 +110,18 @@ class PlacedStop:
         return LoadShape(points=self.reading)
 
     def seen(self, shape: Callable[[FloatArray], FloatArray]) -> float:
-        """What the gap sees of a displacement that is a function of the positions, ``(1,)``."""
+        """What the gap sees of a displacement.
+
+        Parameters
+        ----------
+        shape : callable
+            Takes positions on the line, m, shape ``(1,)``, and gives the displacement there, m, of the same shape.
+
+        Returns
+        -------
+        float
+            The sum of the displacements times their factors, m.
+        """
         return float(sum(factor * shape(np.array([x]))[0] for x, factor in self.reading))
 
     @property
