@@ -136,7 +136,7 @@ class Assembly:
         drag = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
         for e, h in enumerate(np.diff(self.nodes)):
             here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
-            drag[here, here] += h * unit * np.outer(scale, scale)
+            drag[here, here] += (not self._empty[e]) * h * unit * np.outer(scale, scale)
         return np.asarray(drag[np.ix_(self.free, self.free)])
 
     def load(self, shape: LoadShape) -> FloatArray:
@@ -327,7 +327,9 @@ class Assembly:
     def _springs_on_bodies(self) -> list[tuple[FloatArray, float]]:
         """Row, ``(2 beams,)``, and stiffness of each spring of supports and links; see `_on_bodies`."""
         joint = self.problem.structure
-        held = [(((it.x, 1.0),), it.translational, it.torsional) for it in joint.supports]
+        held: list[tuple[tuple[tuple[float, float], ...], float, float]] = [
+            (((it.x, 1.0),), it.translational, it.torsional) for it in joint.supports
+        ]
         held += [(((it.second, 1.0), (it.first, -1.0)), it.translational, it.torsional) for it in joint.links]
         return [
             (self._on_bodies(reading, derivative), k)
@@ -387,7 +389,7 @@ class Assembly:
     @cached_property
     def _empty(self) -> npt.NDArray[np.bool_]:
         """Whether each element is a space between beams, ``(nodes - 1,)``."""
-        return self.problem.line.EI_at((self.nodes[:-1] + self.nodes[1:]) / 2) == 0
+        return np.asarray(self.problem.line.EI_at((self.nodes[:-1] + self.nodes[1:]) / 2) == 0)
 
 
 def _hermite(s: FloatArray, derivative: int) -> FloatArray:

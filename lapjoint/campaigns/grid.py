@@ -63,7 +63,6 @@ UNITS = {
     "density": "kg m-3",
     "ratio": "1",
     "coefficient": "N s m-2",
-    "viscous_damping": "N s m-2",
     "base_share": "1",
     "gravity_share": "1",
     "angular_frequency": "rad s-1",

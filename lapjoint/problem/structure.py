@@ -26,7 +26,7 @@ _KEPT = 64
 
 @dataclass(frozen=True)
 class PlacedLink:
-    """A link on the line of beams: springs and a damper between two positions."""
+    """A link on the line of beams: springs between two positions."""
 
     first: float
     """Position on the line, m."""
@@ -36,8 +36,6 @@ class PlacedLink:
     """Stiffness between the displacements, N/m, from 0 to inf."""
     torsional: float
     """Stiffness between the slopes, N m/rad, from 0 to inf."""
-    damping: float
-    """Viscous damping between the displacements, N s/m."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,11 @@
 """Random systems of two to four beams, and their natural frequencies by counting; nothing of a solver.
 
-Exact members between nodes have the textbook dynamic stiffness, whose entries are power series where the member is short
-compared with its waves.  What infinite springs forbid is taken out by a basis of all that they allow.  Frequencies below
-omega are counted by Wittrick and Williams: the negative eigenvalues of the stiffness, and the clamped frequencies of the
-members.  A root is halved down to 1e-11 by its count alone, so that none is missed, however near to another it lies.  In double
-precision the count errs by 1e-16 (EI / m L^4) / omega^2 or so; `exact_count` is that of forty digits.
+Exact members between nodes have the textbook dynamic stiffness, whose entries are power series where the member is
+short compared with its waves.  What infinite springs forbid is taken out by a basis of all that they allow.
+Frequencies below omega are counted by Wittrick and Williams: the negative eigenvalues of the stiffness, and the clamped
+frequencies of the members.  A root is halved down to 1e-11 by its count alone, so that none is missed, however near to
+another it lies.  In double precision the count errs by 1e-16 (EI / m L^4) / omega^2 or so; `exact_count` is that of
+forty digits.
 """
 
 from __future__ import annotations
