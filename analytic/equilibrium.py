@@ -102,7 +102,7 @@ class PiecewiseQuartic:
 
 def equilibrium(problem: Problem, name: str) -> Equilibrium:
     """The static equilibrium of a problem, by a solver called `name`; an InputError if there is none."""
-    require_one_beam(problem, "the analytic solver")
+    require_one_beam(problem, "equilibria are computed")
     found = _equilibrium(problem.structure, problem.forces.constant, breaks_of(problem))
     if isinstance(found, str):
         raise InputError(found)

@@ -63,7 +63,7 @@ _STEPS = 20
 
 def equilibrium(problem: Problem) -> Equilibrium:
     """The static equilibrium of a problem; an InputError if there is none."""
-    require_one_beam(problem, "the finite element solver")
+    require_one_beam(problem, "equilibria are computed")
     joint = _Joint(problem)
     joint.check_resisted()
     found = _pressed(joint)

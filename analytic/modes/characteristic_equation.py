@@ -136,7 +136,7 @@ def node_positions(problem: Problem, closed: tuple[int, ...]) -> FloatArray:
 
 def layout_of(problem: Problem, closed: tuple[int, ...] = ()) -> Layout:
     """The beam with its supports and its `closed` stops as springs."""
-    require_one_beam(problem, "the analytic solver")
+    require_one_beam(problem, "the analytic solver works")
     beam, x = problem.line, node_positions(problem, closed)
     translational, torsional = np.zeros(x.size), np.zeros(x.size)
 

@@ -371,9 +371,9 @@ class Problem(Part):
 
 
 def require_one_beam(problem: Problem, who: str) -> None:
-    """Raise `InputError` for several beams, which `who` does not take."""
+    """Raise `InputError` for several beams; `who` says who does what for one beam alone."""
     if problem.line.several:
-        raise InputError(f"beams: {who} takes one [beam], and no [[beams]]")
+        raise InputError(f"beams: {who} for one [beam], and not for [[beams]]")
 
 
 def resting(structure: Structure, constant: tuple[ConstantForce, ...] = ()) -> Problem:
