@@ -150,7 +150,7 @@ def test_every_fence_and_formula_is_closed() -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("title", "links = []\ntitle"),
+        ("title", "friction = 0.2\ntitle"),
         ("title", "wear = 0.1\ntitle"),
         ("[beam]", "[[beam]]"),
         ("450.0 ", "[450.0, 900.0]"),

@@ -293,6 +293,26 @@ class History(Shown):
             return np.zeros((shares.size, t.size))
         return np.outer(shares, self.base(t, dt))
 
+    def faces(self, t: FloatArray) -> FloatArray:
+        """Where the face of each stop is, in the frame of the beam that meets it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, within the history.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            The displacement at which the beam touches the stop, m: the gap, up or down, moved by what carries the stop.
+        """
+        stops = self.problem.structure.stops
+        found = np.outer([stop.sign * stop.gap for stop in stops], np.ones(t.size)) - self.base_of_stops(t)
+        for k, stop in enumerate(stops):
+            if stop.side == "between":
+                found[k] += self.displacement(stop.x, t)[0]
+        return found
+
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
         """Impulse of each stop, summed over the contacts that start in ``[start, end)``.
 

@@ -105,6 +105,11 @@ class PlacedStop:
         return self.reading[-1][0]
 
     @property
+    def met(self) -> float:
+        """Position on the line, m, of the beam that comes up to the stop: of two beams the second."""
+        return self.reading[0][0]
+
+    @property
     def shape(self) -> LoadShape:
         """Where a force of size 1 of the stop acts, if it pushes upwards on the beam that the gap sees."""
         return LoadShape(points=self.reading)
@@ -128,6 +133,11 @@ class PlacedStop:
     def in_space(self) -> bool:
         """Whether the gap sees motion of the base."""
         return self.base_share != 0
+
+    @property
+    def still(self) -> bool:
+        """Whether the stop moves with the base, as the beam's frame does."""
+        return self.side != "between" and not self.in_space
 
     @property
     def place(self) -> tuple[tuple[tuple[float, float], ...], float]:

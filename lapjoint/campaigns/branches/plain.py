@@ -55,8 +55,8 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
     """Curve points, each with whether the parameter may reverse along the curve there, as values that JSON can hold.
 
     ``equations`` holds the index of the zone, a part of the range that has one resolution; the stops that are closed at
-    the section, and those of them that are released; the stops that switch; the phase of the section; and the events
-    that happen together, `BoundaryProblem.tied`.  ``knots`` holds, for each point, the number of its equations, the
+    the section; the stops that switch; the phase of the section; the events that happen together,
+    `BoundaryProblem.tied`; and, if there are any, the closed stops that are released at the section.  ``knots`` holds, for each point, the number of its equations, the
     unknowns, and whether the parameter may reverse there.
     """
     zones = [resolution for _, resolution in of.zones]
@@ -68,7 +68,7 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
         key = zone, first.closed, first.released, problem.sequence.stops, problem.phase, problem.tied
         knots.append([numbers.setdefault(key, len(numbers)), point.u.tolist(), may_turn])
     equations = [
-        [zone, [list(closed), list(released)], list(stops), phase, sorted(tied)]
+        [zone, list(closed), list(stops), phase, sorted(tied), *([list(released)] if released else [])]
         for zone, closed, released, stops, phase, tied in numbers
     ]
     return {"equations": equations, "knots": knots}
@@ -76,8 +76,8 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
 
 def problem_of(of: ParameterRange, equations: Sequence[Any], half_periods: int) -> BoundaryProblem:
     """The boundary value problem of one entry of the ``equations`` of `plain_curve`."""
-    zone, state, stops, phase, tied = equations
-    sequence = ContactSequence(ContactState(*map(tuple, state)), tuple(stops))
+    zone, closed, stops, phase, tied, *released = equations
+    sequence = ContactSequence(ContactState(tuple(closed), *map(tuple, released)), tuple(stops))
     return BoundaryProblem(of.zones[zone][1], sequence, half_periods, phase, frozenset(tied))
 
 

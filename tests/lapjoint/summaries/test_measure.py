@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from beams import unit_cantilever
-from damped_stops import random_dragged_joint
+from random_joints import dragged_cantilever
 from stretches import Cutting
 
 import analytic
@@ -143,7 +143,7 @@ def test_what_is_nothing_but_rounding_is_zero() -> None:
 
 
 def test_the_slowest_complex_mode_says_how_long_a_motion_settles() -> None:
-    heavy = random_dragged_joint(np.random.default_rng(0))
+    heavy = dragged_cantilever(np.random.default_rng(0))
     for solver in (analytic.Solver(n_modes=8), fe_lapjoint.Solver(elements=8)):
         found = measure(selection(heavy), solver, 1e12, rate=1e-6)
         slowest = solver.period_map(heavy).lowest_damping_rate
