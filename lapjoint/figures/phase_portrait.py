@@ -131,10 +131,8 @@ def plot_poincare_section(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     size = 4.0 if t.size < 100 else 1.8
-    name = (
-        label
-        or f"x = {history.problem.line.place(place)} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
-    )
+    where = f"x = {history.problem.line.place(place)} m"
+    name = label or f"{where}, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
     axes.plot(z, v, linestyle="", marker="o", markersize=size, markeredgewidth=0, label=name)
     _widen(axes, *_state(history, place, times_drawn(history, 500)))
     entitle(axes, heading(history) if label is None else "")

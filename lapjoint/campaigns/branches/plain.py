@@ -56,8 +56,8 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
 
     ``equations`` holds the index of the zone, a part of the range that has one resolution; the stops that are closed at
     the section; the stops that switch; the phase of the section; the events that happen together,
-    `BoundaryProblem.tied`; and, if there are any, the closed stops that are released at the section.  ``knots`` holds, for each point, the number of its equations, the
-    unknowns, and whether the parameter may reverse there.
+    `BoundaryProblem.tied`; and, if there are any, the closed stops that are released at the section.  ``knots`` holds,
+    for each point, the number of its equations, the unknowns, and whether the parameter may reverse there.
     """
     zones = [resolution for _, resolution in of.zones]
     numbers, knots = dict[tuple[Any, ...], int](), list[list[Any]]()
