@@ -49,6 +49,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.forces import ConstantForce
 from lapjoint.problem.initial import InitialShape
+from lapjoint.problem.problem import require_one_beam
 from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import PlacedStop
 
@@ -101,6 +102,7 @@ class PiecewiseQuartic:
 
 def equilibrium(problem: Problem, name: str) -> Equilibrium:
     """The static equilibrium of a problem, by a solver called `name`; an InputError if there is none."""
+    require_one_beam(problem, "equilibria are computed")
     found = _equilibrium(problem.structure, problem.forces.constant, breaks_of(problem))
     if isinstance(found, str):
         raise InputError(found)

@@ -46,8 +46,9 @@ from analytic.march.loads import MOVED_STOPS, acting
 from analytic.march.modal_state import LoadedStructure, loaded_structure
 from analytic.modes.normal_modes import NormalModes, exact_modes
 from lapjoint.answers.contact_state import FREE, ContactState, closed_together, places
-from lapjoint.problem import AtEquilibrium, AtRest, FloatArray, Line, ModalDamping, Problem
+from lapjoint.problem import AtEquilibrium, AtRest, FloatArray, ModalDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import PlacedStop, readings
 
 LEAST, MOST = 10, 320
@@ -144,6 +145,8 @@ def _sudden(problem: Problem) -> tuple[tuple[LoadShape, float, float], ...]:
 def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
     """Where stops press the straight beam at t = 0, and their forces on it, N, positive upwards."""
     base, found = sum(wave.amplitude * math.sin(wave.phase) for wave in problem.moved_stops), []
+    if problem.forces.seen is not None:
+        base = float(problem.forces.seen.at(np.zeros(1))[0])
     for stop in problem.structure.stops:
         depth = stop.sign * base * stop.base_share - stop.gap
         if depth > 0:
@@ -154,18 +157,21 @@ def _presses(problem: Problem) -> list[tuple[LoadShape, float]]:
 def _contact_square(problem: Problem, stop: PlacedStop, ringing: float) -> float:
     """omega_c^2, (rad/s)^2, of the contacts of a stop, 4 k c / M of the module's head; `ringing` is the factor on c."""
     c, base = _IMPACTS, problem.base_motion
-    opposite = [other.gap for other in problem.structure.stops if other.place == stop.place and other.side != stop.side]
+    stops = problem.structure.stops
+    opposite = [other.gap for other in stops if other.side != stop.side and other.place == stop.place]
     waves = [] if base is None else [wave.amplitude for wave in base.waves if wave.amplitude]
     if opposite and len(waves) == 1 and not problem.point_loads and not stop.in_space:
         room = max(stop.gap + min(opposite), 0.0)  # none where the gaps overlap
         c = min(c, 2 * math.sqrt(room / 2 / waves[0]))
-    return 4 * c * ringing * stop.stiffness / min(_mass_met(problem.line, x) for x, _ in stop.reading)
+    return 4 * c * ringing * stop.stiffness / min(_mass_met(problem.structure, x) for x, _ in stop.reading)
 
 
-def _mass_met(beam: Line, x: float) -> float:
+@lru_cache(maxsize=256)
+def _mass_met(structure: Structure, x: float) -> float:
     """M of the module's head at a position, m, kg: the least of both sides at a step."""
-    waves = sum((piece.end - piece.start) * (piece.inertia / piece.EI) ** 0.25 for piece in beam.pieces)
-    here = [piece for piece in beam.pieces if piece.start <= x <= piece.end]
+    pieces = structure.line.pieces
+    waves = sum((piece.end - piece.start) * (piece.inertia / piece.EI) ** 0.25 for piece in pieces)
+    here = [piece for piece in pieces if piece.start <= x <= piece.end]
     return float(min(piece.inertia**0.75 * piece.EI**0.25 for piece in here) * waves)
 
 

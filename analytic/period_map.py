@@ -72,20 +72,20 @@ class PeriodMap:
     def arcs(self) -> JointArcs:
         """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`.
 
-        `InputError` is raised where a stop is damped.
+        `InputError` is raised where viscous damping couples the modes.
         """
-        if self.joint.damped:
-            k = next(k for k, stop in enumerate(self.joint.loaded.problem.structure.stops) if stop.damping > 0)
+        if self.joint.loaded.problem.structure.coupling_drag > 0:
             raise InputError(
-                f"stops[{k}].damping = {self.joint.loaded.problem.structure.stops[k].damping:g}: branches need stops without "
-                "damping; steady states, sweeps and basins allow it"
+                'damping.kind = "viscous": branches need beams without masses, and of one mass per length, with this '
+                "damping; steady states, sweeps and basins allow them"
             )
         return JointArcs(self.joint, self.period)
 
     @cached_property
     def lowest_damping_rate(self) -> float:
         """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
-        damping_rate = self.joint.modal(FREE).damping_rate
+        it = self.joint.coupled(FREE)
+        damping_rate = self.joint.modal(FREE).damping_rate if it is None else it.damping / 2
         return float(damping_rate[damping_rate > 0].min()) if (damping_rate > 0).any() else 0.0
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:

@@ -46,7 +46,7 @@ from lapjoint.answers.equilibrium import (
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.initial import InitialShape
-from lapjoint.problem.problem import resting
+from lapjoint.problem.problem import require_one_beam, resting
 
 _ROUNDINGS = 10 * float(np.finfo(float).eps)
 """Relative error of an entry of the system, and of a residual: an entry takes some ten operations, a row has some ten
@@ -63,6 +63,7 @@ _STEPS = 20
 
 def equilibrium(problem: Problem) -> Equilibrium:
     """The static equilibrium of a problem; an InputError if there is none."""
+    require_one_beam(problem, "equilibria are computed")
     joint = _Joint(problem)
     joint.check_resisted()
     found = _pressed(joint)

@@ -91,13 +91,12 @@ class PeriodMap:
     def arcs(self) -> Arcs:
         """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`.
 
-        `InputError` is raised where a stop is damped.
+        `InputError` is raised where viscous damping couples the modes.
         """
-        if self.model.damped:
-            k, stops = self.model.damped[0], self.problem.structure.stops
+        if self.model.drags:
             raise InputError(
-                f"stops[{k}].damping = {stops[k].damping:g}: branches need stops without damping; steady "
-                "states, sweeps and basins allow it"
+                'damping.kind = "viscous": branches need beams without masses, and of one mass per length, with this '
+                "damping; steady states, sweeps and basins allow them"
             )
         return Arcs(self.model, self.omega)
 

@@ -51,6 +51,8 @@ def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: 
     Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
     page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
     whole, *parts = blocks("toml", page)
+    linked = from_toml(parts.pop())
+    assert linked.structure.links[0].second == linked.position("lower:0.03")
     problem = from_toml(whole)
     assert problem.stop_names == ("tip",)
     found = [from_toml(_with_part(whole, part)) for part in parts]
@@ -150,7 +152,7 @@ def test_every_fence_and_formula_is_closed() -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("title", "links = []\ntitle"),
+        ("title", "friction = 0.2\ntitle"),
         ("title", "wear = 0.1\ntitle"),
         ("[beam]", "[[beam]]"),
         ("450.0 ", "[450.0, 900.0]"),

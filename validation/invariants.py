@@ -9,14 +9,11 @@ does not know how they were computed.
 - momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, point
   loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum;
 - impulse: the stated impulse is the time integral of the force law;
+- dissipation: the stated energy lost in a damped stop is the time integral of force times rate, less what the spring
+  stores where the history cuts the contact;
 - continuity: the displacement does not jump at a switch, equation (36) of the paper.
 
-A periodic steady state must also satisfy the following, by the History of one of its periods:
-
-- the motion closes: displacement and velocity along the beam at the end are equal to those at the start;
-- its period is the least: after fewer excitation periods, displacement and velocity differ from the start;
-- the two halves of a symmetric motion mirror each other, z(x, t + T/2) = -z(x, t), and those of others do not;
-- its impulses per excitation period are the time integrals of the force law.
+`validation.orbit_invariants` has what a steady state must satisfy besides.
 """
 
 from __future__ import annotations
@@ -28,7 +25,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from lapjoint.answers import History, SteadyState
+from lapjoint.answers import Contact, History
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.problem.load_shape import LoadShape
 from validation.references.panels import gauss_panels
@@ -39,9 +36,6 @@ _MOST_HALVINGS = 8  # Most halvings of the panels in time
 _BALANCED = (
     1e-3  # Least angular momentum that counts, divided by all momentum times half the length; a smaller one is rounding
 )
-REPEATS = 1e-6
-"""Distance of two motions, divided by their size, below which they are one.  Newton's method closes orbits to a
-residual of 1e-9; truncation adds jumps at switches."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -157,8 +151,27 @@ def _time_integral(
     return values[-1]
 
 
-def _impulse(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:
-    """Impulse of a stop by the force law, from the first to the last break, N s."""
+def impulse_of(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:
+    """Impulse of a stop by the force law.
+
+    Parameters
+    ----------
+    stop : int
+        Index of the stop.
+    breaks : FloatArray, shape (n,)
+        Times, s, from the first to the last of the integral, with all switches between.
+    history : History
+        The motion.
+    tolerance : float
+        Largest error of the integral, divided by `scale`.
+    scale : float
+        Size of the impulse, N s.
+
+    Returns
+    -------
+    float
+        The impulse, N s.
+    """
 
     def force(t: FloatArray) -> FloatArray:
         return -np.asarray(history.contact_force(np.minimum(t, history.end))[stop])
@@ -325,13 +338,51 @@ def stated_impulses(history: History, tolerance: float) -> Criterion:
     """
     worst, largest = 0.0, max((abs(c.impulse) for c in history.contacts), default=1e-300)
     for contact in history.contacts:
-        if contact.end <= contact.start:
-            continue
-        inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]
-        breaks = np.array([contact.start, *inside, contact.end])
-        area = _impulse(contact.stop, breaks, history, tolerance, largest)
-        worst = max(worst, abs(area - contact.impulse))
+        if contact.end > contact.start:
+            area = impulse_of(contact.stop, _breaks(history, contact), history, tolerance, largest)
+            worst = max(worst, abs(area - contact.impulse))
     return Criterion("stated impulse against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
+
+
+def _breaks(history: History, contact: Contact) -> FloatArray:
+    """First and last time of a contact, and the switches between, s."""
+    inside = (history.switch_times > contact.start) & (history.switch_times < contact.end)
+    return np.array([contact.start, *history.switch_times[inside], contact.end])
+
+
+def stated_energies(history: History, tolerance: float) -> Criterion:
+    """Largest difference between a stated energy lost in a damped stop and the force law's, divided by the largest.
+
+    Parameters
+    ----------
+    history : History
+        The motion.
+    tolerance : float
+        Largest allowed value, without unit.
+
+    Returns
+    -------
+    Criterion
+        The largest difference of all contacts of damped stops, divided by the largest energy lost in a contact; of a
+        stop without damping the whole energy counts as difference.
+    """
+    stops, worst = history.problem.stops, 0.0
+    largest = max((abs(contact.dissipated) for contact in history.contacts), default=0.0) or 1e-300
+    for contact in history.contacts:
+        k, lost = contact.stop, 0.0
+        if stops[k].damping > 0 and contact.end > contact.start:
+
+            def taken(t: FloatArray, k: int = k) -> FloatArray:
+                t = np.minimum(t, history.end)
+                return -np.asarray(history.contact_force(t)[k] * history.seen_by_stops(t, 1)[k])
+
+            ends = history.penetration(np.clip([contact.start, contact.end], history.start, history.end))[k]
+            stored = stops[k].stiffness / 2 * ends**2 * np.array([contact.open_start, contact.open_end])
+            lost = _time_integral(taken, _breaks(history, contact), history, tolerance, largest)
+            lost += float(stored[0] - stored[1])
+        worst = max(worst, abs(lost - contact.dissipated))
+    name = "stated energy lost in damped stops against the force law"
+    return Criterion(name, "1", worst / largest, 0.0, tolerance, "quadrature")
 
 
 def continuity(history: History, tolerance: float) -> Criterion:
@@ -352,148 +403,10 @@ def continuity(history: History, tolerance: float) -> Criterion:
     t = history.switch_times[history.switch_times > history.start]
     if not t.size:
         return Criterion("displacement jump at switches", "1", 0.0, 0.0, tolerance, "no switch")
-    x = np.linspace(0.0, history.problem.line.length, 21)
+    x = history.problem.line.grid(21)
     after, before = history.displacement(x, t), history.displacement(x, np.nextafter(t, history.start))
     jump = float(np.abs(after - before).max() / max(np.abs(after).max(), 1e-300))
     return Criterion("displacement jump at switches", "1", jump, 0.0, tolerance, "modes of the two states, truncated")
-
-
-def _apart(history: History, sign: int, later: float) -> float:
-    """Largest distance of the motion from `sign` times the motion `later` seconds afterwards, divided by its size.
-
-    Displacements, and velocities divided by the excitation frequency, are compared at 21 places and 33 times in the
-    period.
-    """
-    x, span = np.linspace(0.0, history.problem.line.length, 21), history.end - history.start
-    t = history.start + span * (np.arange(33) + 0.5) / 33
-    on = history.start + np.mod(t - history.start + later, span)
-    omega = history.problem.excitation_frequency or 1.0
-    here = np.concatenate([history.evaluate(x, t), history.evaluate(x, t, dt=1) / omega])
-    there = np.concatenate([history.evaluate(x, on), history.evaluate(x, on, dt=1) / omega])
-    return float(np.abs(here - sign * there).max() / max(np.abs(here).max(), 1e-300))
-
-
-def closes(found: SteadyState, tolerance: float) -> Criterion:
-    """Distance between the end and the start of the motion's period, divided by the size of the motion.
-
-    Parameters
-    ----------
-    found : SteadyState
-        A periodic steady state.
-    tolerance : float
-        Largest allowed value, without unit.
-
-    Returns
-    -------
-    Criterion
-        The largest difference of displacements, and of velocities divided by the excitation frequency, divided by the
-        largest of both.
-    """
-    history = found.history
-    x, ends = np.linspace(0.0, history.problem.line.length, 21), np.array([history.start, history.end])
-    omega = history.problem.excitation_frequency or 1.0
-    both = np.concatenate([history.evaluate(x, ends), history.evaluate(x, ends, dt=1) / omega])
-    gap = float(np.abs(np.diff(both, axis=1)).max() / max(np.abs(both).max(), 1e-300))
-    return Criterion("end of the period from its start", "1", gap, 0.0, tolerance, "Newton's residual")
-
-
-def least_period(found: SteadyState, tolerance: float) -> Criterion:
-    """Least distance of the motion from repeating after fewer excitation periods than stated, divided by its size.
-
-    Parameters
-    ----------
-    found : SteadyState
-        A steady state of two excitation periods or more.
-    tolerance : float
-        The distance must exceed this.
-
-    Returns
-    -------
-    Criterion
-        The least distance over all divisors of the period multiple.
-    """
-    history, n = found.history, found.period_multiple
-    parts = [k for k in range(1, n) if n % k == 0]
-    period = (history.end - history.start) / max(n, 1)
-    nearest = min(_apart(history, 1, k * period) for k in parts)
-    return Criterion("nearest to repeating in a part of its period", "1", nearest, tolerance, math.inf, "it must not")
-
-
-def half_period(found: SteadyState, tolerance: float) -> Criterion:
-    """Distance of half of the motion from the mirror image of the other half, divided by the size of the motion.
-
-    Parameters
-    ----------
-    found : SteadyState
-        A periodic steady state.
-    tolerance : float
-        Limit of the distance: at most this if the motion is stated to be symmetric, else more.
-
-    Returns
-    -------
-    Criterion
-        The distance of half of the motion from the mirror image of the other half.
-    """
-    history = found.history
-    asymmetry = _apart(history, -1, (history.end - history.start) / 2)
-    if found.symmetric:
-        return Criterion("half a period from its mirror image", "1", asymmetry, 0.0, tolerance, "called symmetric")
-    return Criterion("half a period from its mirror image", "1", asymmetry, tolerance, math.inf, "not called symmetric")
-
-
-def impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
-    """Largest difference between an impulse per excitation period and the integral of the force law, relative.
-
-    Parameters
-    ----------
-    found : SteadyState
-        A periodic steady state.
-    tolerance : float
-        Largest allowed value, without unit.
-
-    Returns
-    -------
-    Criterion
-        The largest difference of all stops, divided by the largest impulse.
-    """
-    history = found.history
-    breaks = np.unique([history.start, *history.switch_times, history.end])
-    largest = max(float(np.abs(found.impulses).max(initial=0.0)), 1e-300)
-    periods = max(found.period_multiple, 1)
-    worst = 0.0
-    for k, impulse in enumerate(found.impulses):
-        area = _impulse(k, breaks, history, tolerance, largest * periods)
-        worst = max(worst, abs(area / periods - float(impulse)))
-    return Criterion("impulse per period against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
-
-
-def steady_witness(found: SteadyState, tolerance: float, label: str) -> list[Criterion]:
-    """All invariants of a steady state and of its motion; without invariants of the period if the motion does not
-    repeat.
-
-    Parameters
-    ----------
-    found : SteadyState
-        The steady state, of either solver.
-    tolerance : float
-        Tolerance of the motion, relative to its size.  Comparisons over the period have the tolerance `REPEATS`, and
-        impulses per period this tolerance, or ten times the residual if that is more.
-    label : str
-        Prefix of each name.
-
-    Returns
-    -------
-    list of Criterion
-        Each with its verdict.
-    """
-    result = witness(found.history, tolerance, label)
-    if not found.period_multiple:
-        return result
-    near = max(REPEATS, 10 * found.residual)  # with truncated modes, a motion repeats only to its residual
-    checks = (closes, half_period, least_period) if found.period_multiple > 1 else (closes, half_period)
-    result += [replace(item, name=f"{label}: {item.name}") for item in (check(found, near) for check in checks)]
-    item = impulses_per_period(found, max(tolerance, 10 * found.residual))
-    return [*result, replace(item, name=f"{label}: {item.name}")]
 
 
 def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
@@ -514,6 +427,8 @@ def witness(history: History, tolerance: float, label: str) -> list[Criterion]:
         Each with its verdict.
     """
     found = [check(history, tolerance) for check in (energy_balance, gaps, stated_impulses, continuity)]
+    if any(stop.damping > 0 for stop in history.problem.stops):
+        found.append(stated_energies(history, tolerance))
     if momentum_applies(history.problem):
         found += momentum_balance(history, tolerance)
     return [replace(item, name=f"{label}: {item.name}") for item in found]

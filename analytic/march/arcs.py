@@ -13,18 +13,21 @@ is f'(t) and the rate of the free motion.  After the passage y_new = S y + b(t) 
 with one vector in the bracket for all durations before.  A parameter of the problem may change the harmonics while
 times keep their ratios to the excitation period, so that the phases theta stay.  Its deviation is one more w, with
 dy = w + df, where df is the change of the answer at fixed phases.
+
+Joints with damped stops have arcs of their own, see `analytic.march.coupled_arcs`.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from analytic.march.change import Change, add_forced_change, changes_of_answers, forced_change
+from analytic.march.coupled_arcs import CoupledArcs
 from analytic.march.joint import Joint
 from analytic.march.known_states import KnownStates
 from analytic.march.mean_rates import mean_rate, mean_rate_at_stop
@@ -67,6 +70,11 @@ class JointArcs:
     period: float
     """The excitation period, s."""
 
+    @cached_property
+    def _coupled(self) -> CoupledArcs:
+        """The arcs, if a stop is damped."""
+        return CoupledArcs(self.joint)
+
     @property
     def problem(self) -> Problem:
         """The problem."""
@@ -83,6 +91,8 @@ class JointArcs:
         number: str | None = None,
     ) -> Chain:
         """Follow the arcs of a contact sequence. See `lapjoint.orbits.arcs.Arcs.chain`."""
+        if self.joint.damped:
+            return self._coupled.chain(sequence, start, time, durations, derivatives)
         flat = self._flat(sequence)
         tables, arcs, n = self.joint.tables, flat.slot.size, start.size
         rows, times, events = np.empty((arcs + 1, 2 * tables.kind.shape[1])), np.empty(arcs), np.empty(arcs - 1)
@@ -114,9 +124,9 @@ class JointArcs:
 
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The displacement at the stops as sums of exponentials. See `lapjoint.orbits.arcs.Arcs.motion`."""
-        flat = self._flat(sequence)
+        slots = np.array([self.joint.slot(state) for state in sequence.states], dtype=np.int64)
         tables = self.joint.tables
-        M, U, K = flat.slot.size, tables.forced.shape[1], int(tables.terms[flat.slot].max()) + tables.omega.size
+        M, U, K = slots.size, tables.forced.shape[1], int(tables.terms[slots].max()) + tables.omega.size
         rows = np.zeros((M, 2 * tables.kind.shape[1]))
         for row, start in zip(rows, chain.starts, strict=True):
             row[: start.size] = start
@@ -127,9 +137,9 @@ class JointArcs:
             amplitudes=np.zeros((M, K), dtype=complex),
             weights=np.zeros((M, U, K), dtype=complex),
             polynomial=np.empty((M, U, 3)),
-            orientation=np.where(tables.closed[flat.slot], -1.0, 1.0),
+            orientation=np.where(tables.closed[slots], -1.0, 1.0) * ~tables.asleep[slots],
         )
-        _write_motion(tables, flat.slot, chain.times, rows, motion)
+        _write_motion(tables, slots, chain.times, rows, motion)
         return motion
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:

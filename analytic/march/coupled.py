@@ -1,13 +1,14 @@
-r"""Contact states in which a damped stop is closed: their modes are coupled, and are turned into oscillators again.
+r"""Contact states whose damping couples the modes, which are turned into oscillators again.
 
 In the modes of the closed stops, of frequencies omega_i and values phi_ik at stop k, the motion obeys
 
     q'' + D q' + K q = f(t),
-    D = diag(2 zeta_i omega_i) + sum over pressing stops of c_k phi_k phi_k^T,
-    K = diag(omega_i^2)        - sum over released stops of k_k phi_k phi_k^T,
+    D = D_0             + sum over pressing stops of c_k phi_k phi_k^T,
+    K = diag(omega_i^2) - sum over released stops of k_k phi_k phi_k^T,
 
-because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  The
-shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
+because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  D_0 is
+diag(2 zeta_i omega_i), or the matrix of `analytic.march.drag` where viscous damping couples the modes of all states.
+The shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
 
 Each pair of roots lambda of the homogeneous equation is one oscillator.  With the amplitude a(t) of its eigenvector,
 P = Re a and V = P' obey P'' - 2 Re(lambda) P' + |lambda|^2 P = F(t), and
@@ -29,12 +30,20 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from analytic.march.loads import Harmonics
-from analytic.march.modal_state import ModalState
-from analytic.march.oscillator import OSCILLATING, SPLIT, kinds_of, static_answer
+from analytic.march.drag import drag_of
+from analytic.march.modal_state import LoadedStructure, ModalState, modal_state
+from analytic.march.oscillator import (
+    OSCILLATING,
+    SPLIT,
+    all_away_from_resonance,
+    kinds_of,
+    may_resonate,
+    static_answer,
+)
 from analytic.march.tables import IntArray, Tables, stop_positions
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray, Problem
 
 _RIGID = 1e-8
@@ -44,7 +53,11 @@ _NEARLY_DOUBLE = 3e6
 """Condition number of the eigenvectors above which the damping is changed a little: results then keep nine digits."""
 _LITTLE = 1e-13
 """Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
+SAMPLED = 1j
+"""The time derivative of a sampled load, as that of a harmonic is i omega: of two numbers for a sampled load, the real
+part is that of the load, the imaginary part that of its rate."""
 _TRIES = 8  # most such changes, each twice the one before
+_STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +73,15 @@ class Coupled:
     back: FloatArray
     """The inverse of T."""
     lag: ComplexArray
-    """r of each load, kg^1/2 m/s, shape ``(1 + H, N)``."""
+    """r of each load, kg^1/2 m/s, shape ``(1 + H + R, N)``; that of a sampled load's rate in the imaginary part."""
+    carried: ComplexArray
+    """`lag` without the rates of sampled loads, which jump at knots: a march along ramps carries V less their part of r
+    from segment to segment, see `analytic.march.ramps`."""
     push: ComplexArray
-    """F of each load, kg^1/2 m/s^2, shape ``(1 + H, N)``."""
+    """F of each load, kg^1/2 m/s^2, shape ``(1 + H + R, N)``, as `lag`; the rate of a sampled load's rate adds its
+    `lag`."""
+    D: FloatArray
+    """The damping matrix of the modes, 1/s, shape ``(N, N)``."""
 
     @property
     def damping(self) -> FloatArray:
@@ -91,8 +110,8 @@ def force_rows(problem: Problem) -> IntArray:
 
 
 def is_coupled(problem: Problem, state: ContactState) -> bool:
-    """Whether a damped stop is closed."""
-    return any(problem.structure.stops[k].damping > 0 for k in state.closed)
+    """Whether a damped stop is closed, or viscous damping couples the modes of every state."""
+    return problem.structure.coupling_drag > 0 or any(problem.structure.stops[k].damping > 0 for k in state.closed)
 
 
 def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
@@ -142,12 +161,14 @@ def _of_stiff(
         v = V[:, j] / np.linalg.norm(V[:n, j] / scale)
         q = v[:n] / scale
         v = v * np.exp(-0.5j * np.angle(np.sum(q * q)))
+        v = v * np.sign(v.real[np.argmax(np.abs(v.real[:n]))])  # neighbouring problems share the sign
         a, b = w[j].real, w[j].imag
         columns.append((w[j], w[j].conjugate(), v.real - a / b * v.imag, v.imag / b))
     real = np.flatnonzero(w.imag == 0)
     real = real[np.argsort(-w[real].real)]
     for i, j in zip(real[: real.size // 2], real[real.size // 2 :], strict=True):
         one, other = (V[:, k].real / np.linalg.norm(V[:n, k].real / scale) for k in (i, j))
+        one = one * np.sign(one[np.argmax(np.abs(one[:n]))])
         other = other if one[:n] @ (other[:n] / scale**2) >= 0 else -other
         first, second = w[i].real, w[j].real
         columns.append(
@@ -162,46 +183,114 @@ def _of_stiff(
     return roots, to / np.outer(rows, cols), back * np.outer(cols, rows)
 
 
-def coupled(
-    problem: Problem,
-    state: ContactState,
-    modal: ModalState,
-    left_out: FloatArray,
-    sizes: FloatArray,
-    harmonics: Harmonics,
-) -> Coupled:
-    """The oscillators of a state, whose closed stops have the modes `modal`, under loads of `sizes`, ``(1 + H,)``.
+@cached(_STATES)
+def free_oscillators(
+    loaded: LoadedStructure, state: ContactState, count: int
+) -> tuple[ComplexArray, FloatArray, FloatArray, FloatArray]:
+    """The `oscillators` of a state with `count` modes, and its damping matrix, 1/s, ``(N, N)``.
 
-    `left_out`, m, ``(1 + H, P)``, is what the gaps see beside the modes, see `Joint.left_out`.
+    They do not depend on the excitation, and are not to be written to.
     """
+    problem, closed = loaded.problem, ContactState(state.closed)
+    modal = modal_state(loaded, closed, count)
     omega, n = modal.modes.omega, modal.size
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.line.EI / problem.line.m) / problem.line.length**2)
-    K, f = np.diag(omega**2), (modal.force * sizes[:, None]).astype(complex)
-    turning = np.concatenate([[0.0], 1j * harmonics.omega])
-    pressing = np.zeros((n, n))
+    K, coupling = np.diag(omega**2), np.zeros((n, n))
+    if problem.structure.coupling_drag > 0:
+        coupling += drag_of(loaded, closed, count).D
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]
         if k in state.released:
             K -= stop.stiffness * np.outer(phi, phi)
-            f += stop.stiffness * np.outer(left_out[:, k], phi)
-            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
-            pressing += stop.damping * np.outer(phi, phi)
-            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
+            coupling += stop.damping * np.outer(phi, phi)
     own = np.diag(2 * modal.damping_rate)
     for i in range(_TRIES):
         more = _LITTLE * 2**i if i else 0.0
-        roots, to, back = oscillators(own + pressing * (1 + more), K, scale)
+        roots, to, back = oscillators(own + coupling * (1 + more), K, scale)
         if i == 0:
             best = roots, to, back
         if _condition(to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
-    roots, to, back = best
+    return *best, own + coupling
+
+
+def coupled(
+    loaded: LoadedStructure,
+    state: ContactState,
+    count: int,
+    left_out: FloatArray,
+    sizes: FloatArray,
+    turning: ComplexArray,
+    sampled: int,
+    moved: bool,
+    side: float,
+) -> Coupled:
+    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H + R,)``.
+
+    `left_out`, m, ``(1 + H + R, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `turning` is
+    `Joint.turning`, and the last `sampled` loads are sampled.  `moved` says that the last load moves stops; a motion
+    that no spring holds does not feel it.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
+    """
+    problem, closed, n = loaded.problem, ContactState(state.closed), count
+    modal = modal_state(loaded, closed, count)
+    f = (modal.force * sizes[:, None]).astype(complex)
+    if problem.structure.coupling_drag > 0:
+        f -= turning[:, None] * drag_of(loaded, closed, count).left_out * sizes[:, None]
+    for k in state.closed:
+        stop, phi = problem.structure.stops[k], modal.at_stops[k]
+        if k in state.released:
+            f += stop.stiffness * np.outer(left_out[:, k], phi)
+            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
+        elif stop.damping > 0:
+            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
+    roots, to, back, D = free_oscillators(loaded, state, count)
+    roots = _detuned(roots, turning[1 : turning.size - sampled].imag, side)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
-    push = rise + (turning[:, None] - roots.sum(axis=1).real) * lag
-    return Coupled(roots, kinds_of(roots), to, back, lag, push)
+    if moved:
+        lag[-1], rise[-1] = (part[-1] * np.any(roots != 0, axis=1) for part in (lag, rise))
+    push = rise - roots.sum(axis=1).real * lag + turning[:, None] * lag
+    push[turning.size - sampled :] += lag[turning.size - sampled :].imag  # the rate of the rate is not minus the load
+    if moved:
+        push[-1].real[roots.prod(axis=1) == 0] = 0.0
+    carried = lag.copy()
+    carried[turning.size - sampled :] = lag[turning.size - sampled :].real
+    return Coupled(roots, kinds_of(roots), to, back, lag, carried, push, D)
+
+
+def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
+    """Roots, ``(N, 2)``, of which those without damping are kept away from the loads' frequencies, rad/s, ``(H,)``."""
+    rings = np.flatnonzero(roots.imag[:, 0] > 0)
+    natural, rate = np.abs(roots[rings, 0]), -roots[rings, 0].real
+    if not may_resonate(natural, rate):
+        return roots
+    moved = all_away_from_resonance(natural, rate, driven, side)
+    found, which = roots.copy(), moved != natural
+    turn = 1j * np.sqrt(moved[which] ** 2 - rate[which] ** 2)
+    found[rings[which]] = np.stack([turn, -turn], axis=1) - rate[which, None]
+    return found
+
+
+def places_of(
+    problem: Problem,
+    state: ContactState,
+    modal: ModalState,
+    left_out: FloatArray,
+    it: Coupled,
+    turning: ComplexArray,
+) -> tuple[FloatArray, ComplexArray]:
+    """Weights of P and V at the places, kg^-1/2 and kg^-1/2 s, ``(U, 2, N)``, and what each load adds, m, ``(U, 1 + H +
+    R)``; arguments are as in `coupled`."""
+    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
+    plain, n = stops.size - damped_rows(problem).size, modal.size
+    tau = np.array([problem.structure.stops[k].damping / problem.structure.stops[k].stiffness for k in stops.tolist()])
+    tau[:plain] = 0.0
+    phi = modal.at_stops[stops]
+    reads = np.concatenate([phi, tau[:, None] * phi], axis=1) @ it.to
+    rest = left_out[:, stops].T * (1 + tau[:, None] * turning) - reads[:, n:] @ it.lag.T
+    return reads.reshape(-1, 2, n), rest
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:
@@ -220,8 +309,9 @@ def write_coupled(
     modal: ModalState,
     left_out: FloatArray,
     it: Coupled,
+    turning: ComplexArray,
 ) -> None:
-    """Write a coupled state, under loads of real size, into its empty slot; `left_out` is as in `coupled`."""
+    """Write a coupled state, under loads of real size, into its empty slot; arguments are as in `coupled`."""
     n, P = modal.size, len(problem.structure.stops)
     oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
     mode_of = np.concatenate([np.arange(n), split, oscillating])
@@ -236,22 +326,16 @@ def write_coupled(
     tables.push[slot, :, :n] = it.push
     for h, omega in enumerate(tables.omega.tolist()):
         tables.harmonic[slot, h, :n] = it.push[1 + h] / (it.stiffness - omega**2 + 1j * omega * it.damping)
-    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
-    plain = stops.size - damped_rows(problem).size
-    turning = np.concatenate([[0.0], 1j * tables.omega])
-    for u, k in enumerate(stops.tolist()):
-        tau = problem.structure.stops[k].damping / problem.structure.stops[k].stiffness if u >= plain else 0.0
-        phi = modal.at_stops[k]
-        reads = np.concatenate([phi, tau * phi]) @ it.to
-        still = left_out[:, k] * (1 + tau * turning) - it.lag @ reads[n:]
+    every, rest = places_of(problem, state, modal, left_out, it, turning)
+    for u, (reads, still) in enumerate(zip(every.reshape(-1, 2 * n), rest, strict=True)):
         tables.gradient[slot, u, :, :n] = reads.reshape(2, n)
         weight = reads[mode_of % n] + reads[n + mode_of] * root
         tables.weight[slot, u, :terms] = weight.real
         tables.weight[slot, u, n + split.size : terms] = weight[n + split.size :].imag
         tables.twist[slot, u, oscillating] = weight[oscillating].imag
         tables.constant[slot, u] = still[0].real
-        tables.forced[slot, u] = still[1:] + tables.harmonic[slot, :, :n] @ reads[:n]
-        tables.forced[slot, u] += turning[1:] * (tables.harmonic[slot, :, :n] @ reads[n:])
+        tables.forced[slot, u] = still[1 : 1 + tables.omega.size] + tables.harmonic[slot, :, :n] @ reads[:n]
+        tables.forced[slot, u] += 1j * tables.omega * (tables.harmonic[slot, :, :n] @ reads[n:])
     tables.own[slot] = n + split.size
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):

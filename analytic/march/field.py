@@ -114,10 +114,8 @@ class ModalField:
 
     def _uncoupled(self, it: Coupled, P: FloatArray, V: FloatArray, t: FloatArray, dt: int) -> FloatArray:
         """The dt-th derivative of q_i, ``(N, m)``, of a coupled state from those of its coordinates, ``(N, m)``."""
-        omega, n = self.joint.harmonics.omega[:, None], P.shape[0]
-        waves = (1j * omega) ** dt * np.exp(1j * (omega * t + self.joint.harmonics.phase[:, None]))
-        lag = (it.lag[1:].T @ waves).imag + (it.lag[0].real[:, None] if dt == 0 else 0.0)
-        return np.asarray(it.to[:n, :n] @ P + it.to[:n, n:] @ (V - lag))
+        n = P.shape[0]
+        return np.asarray(it.to[:n, :n] @ P + it.to[:n, n:] @ (V - self.joint.lags(it.lag, t, dt)))
 
     def rest(self, part: TimesInState, x: FloatArray, t: FloatArray, dx: int, dt: int) -> FloatArray:
         """The part of z, or of its derivative, that the modes leave out, at the times of `part`, shape ``(n, m)``."""
@@ -137,14 +135,14 @@ class ModalField:
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
         start_all_terms(tables, slot, start, q, v, theta, c, poly)
-        s, root, omega = t - start[at], tables.root[slot, :terms, None], tables.omega[:, None]
-        free = (c[at].T * root**dt * np.exp(root * s)).real
+        second = n + np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
+        which_terms = np.concatenate([np.arange(n), second])
+        s, root, omega = t - start[at], tables.root[slot, which_terms, None], tables.omega[:, None]
+        free = (c[:, which_terms][at].T * root**dt * np.exp(root * s)).real
         result = free[:n] + _forced(tables.harmonic[slot, :, :n], theta[at].T, omega, s, dt)
         for exponent in range(dt, 3):
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
-        if terms > n:
-            own = np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
-            np.add.at(result, tables.mode_of[slot, n:terms][own], free[n:][own])
+        np.add.at(result, tables.mode_of[slot, second], free[n:])
         return np.asarray(result)
 
     @cached_property
@@ -162,7 +160,8 @@ class ModalField:
         """The motion and two time derivatives at times ``(m,)`` in segments ``(m,)``, block by block of the ramps."""
         order, log, blocks, first = np.lexsort((t, which)), self.log, self.joint.problem.forces.ramps, 0
         assert blocks is not None
-        at, times, found = which[order], t[order], np.zeros((t.size, 3, log.q.shape[1]))
+        at, times = which[order], t[order]
+        found = np.zeros((t.size, 4 if self.joint.damped else 3, log.q.shape[1]))
         while first < t.size:
             block = blocks.block_at(float(log.start[at[first]]))
             made = on_block(made, self.joint, block)
@@ -171,13 +170,16 @@ class ModalField:
             arrays = log.slot, log.start, log.q, log.v, at[here], times[here], found[here]
             coordinates_on_ramps(self.joint.tables, made, *arrays)
             first = here.stop
-        force, slope = blocks.at(times)
-        loads = np.stack([force, slope, np.zeros_like(force)])
+        loads = self.joint.sampled_loads(times)
         parts: list[list[TimesInState]] = [[], [], []]
         for slot in np.unique(log.slot[at]).tolist():
             state, i, n = self.joint.state_in(slot), np.flatnonzero(log.slot[at] == slot), self.joint.tables.modes[slot]
+            it = self.joint.coupled(state)
             for dt in range(3):
-                parts[dt].append(TimesInState(state, order[i], at[i], found[i, dt, :n].T, loads[dt, i].T))
+                q = found[i, dt, :n].T
+                if it is not None:
+                    q = self._uncoupled(it, q, found[i, dt + 1, :n].T, times[i], dt)
+                parts[dt].append(TimesInState(state, order[i], at[i], q, loads[dt][:, i]))
         return parts
 
 

@@ -27,9 +27,9 @@ class Rigid(NamedTuple):
     """
 
     jerk: FloatArray
-    """Third derivative of z at s = 0, m/s3, shape ``(U,)``."""
-    drag: float
-    """Twice the damping rate of the rigid-body modes, 1/s."""
+    """Parts of the third derivative of z at s = 0, m/s3, shape ``(U, C)``."""
+    drag: FloatArray
+    """The rate at which each part falls, twice the damping rate of rigid-body modes, 1/s, shape ``(C,)``."""
 
 
 @njit_called()
@@ -60,12 +60,14 @@ def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, fl
 @njit_inner()
 def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
     """Add the rigid-body modes' part beside the polynomial to `out`, ``(U, 4)``, `s` seconds after the start."""
-    e0, e1, e2, e3, _ = fading_powers(rigid.drag, s)
-    for u in range(out.shape[0]):
-        out[u, 0] += rigid.jerk[u] * e3
-        out[u, 1] += rigid.jerk[u] * e2
-        out[u, 2] += rigid.jerk[u] * e1
-        out[u, 3] += abs(rigid.jerk[u]) * e0
+    for c in range(rigid.drag.size):
+        e0, e1, e2, e3, _ = fading_powers(rigid.drag[c], s)
+        for u in range(out.shape[0]):
+            jerk = rigid.jerk[u, c]
+            out[u, 0] += jerk * e3
+            out[u, 1] += jerk * e2
+            out[u, 2] += jerk * e1
+            out[u, 3] += abs(jerk) * e0
 
 
 @njit_called()

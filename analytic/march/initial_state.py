@@ -93,11 +93,11 @@ def resumed(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoi
 
 
 def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> SectionPoint:
-    """`resumed` of a joint with damped stops; a closed damped stop presses where its force does not pull."""
+    """`resumed` where modes may be coupled; a closed damped stop presses where its force does not pull."""
     if not np.isfinite(values).all():
         raise InputError("start: has coordinates that are not finite")
     slot, n, theta = joint.slot(state), joint.count(state), joint.harmonics.theta(0.0)
-    tables, m = joint.tables, min(joint.count(state), values.shape[1])
+    tables = joint.tables
     waves, omega = np.exp(1j * theta), joint.harmonics.omega
     begin = np.array(
         [
@@ -105,8 +105,14 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
             tables.static[slot, :n, 1] + ((1j * omega * waves) @ tables.harmonic[slot, :, :n]).imag,
         ]
     )
-    begin[:, :m] = values[:, :m]
-    modal, (q, v) = joint.modal(state), joint.in_modes(state, begin[0], begin[1], 0.0)
+    modal, m = joint.modal(state), min(n, values.shape[1])
+    if joint.coupled(state) is None or m == n == values.shape[1]:
+        begin[:, :m] = values[:, :m]
+    else:  # oscillators of more or fewer modes are others
+        other, part = np.array(joint.in_modes(state, begin[0], begin[1], 0.0)), values.shape[1]
+        other[:, :m] = np.array(joint.in_modes(state, values[0], values[1], 0.0, part))[:, :m]
+        begin = np.array(joint.from_modes(state, other[0], other[1], 0.0))
+    q, v = joint.in_modes(state, begin[0], begin[1], 0.0)
     left_out = joint.left_out(state)
     z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
     rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]

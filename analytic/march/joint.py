@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from analytic.march.coupled import Coupled, coupled, force_rows, is_coupled, write_coupled
+from analytic.march.coupled import SAMPLED, Coupled, coupled, force_rows, is_coupled, write_coupled
 from analytic.march.known_states import KnownStates, memory_of
-from analytic.march.loads import Excitation, excitation_of
+from analytic.march.loads import MOVED_STOPS, Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
 from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
 from analytic.march.tables import (
     FlatState,
+    IntArray,
     Tables,
     Unscaled,
     connect,
@@ -38,7 +39,6 @@ from analytic.march.tables import (
 from analytic.modes.beam_functions import ComplexArray
 from analytic.modes.static_residual import Residual
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.errors import InputError
 from lapjoint.orbits.parameters import ExcitationChange, excitation_change
 from lapjoint.problem import FloatArray, Problem
 
@@ -90,17 +90,11 @@ class Joint:
         """See `analytic.march.loads.Excitation`."""
         self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
         """Number of sampled loads."""
-        self.force_rows = force_rows(self.loaded.problem)
-        """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
-        self.damped = any(stop.damping > 0 for stop in self.loaded.problem.structure.stops)
-        """Whether a stop is damped."""
-        self._coupled: dict[ContactState, Coupled] = {}
-        if self.damped and self.sampled:
-            k = next(k for k, stop in enumerate(self.loaded.problem.structure.stops) if stop.damping > 0)
-            raise InputError(
-                f"stops[{k}].damping = {self.loaded.problem.structure.stops[k].damping:g}: the analytic solver takes damped "
-                "stops with harmonic and constant forces, and not with records or random motion"
-            )
+        self.damped = self.loaded.problem.structure.coupling_drag > 0 or self.loaded.damped
+        """Whether damping couples the modes of a state; see `analytic.march.coupled`."""
+        self.turning = np.concatenate([[0.0], 1j * self.harmonics.omega, np.full(self.sampled, SAMPLED)])
+        """The time derivative of each load divided by it, 1/s, shape ``(1 + H + R,)``; see `SAMPLED`."""
+        self._coupled: dict[tuple[ContactState, int], Coupled] = {}
         self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}
         self._kept_shapes: dict[tuple[Any, ...], FloatArray] = {}
@@ -127,28 +121,39 @@ class Joint:
         """Number of stops in the tables, where a damped stop has a second row; see `analytic.march.coupled`."""
         return int(self.tables.sign.size)
 
+    @cached_property
+    def force_rows(self) -> IntArray:
+        """The row of the tables whose penetration is proportional to each stop's force, shape ``(P,)``."""
+        return force_rows(self.loaded.problem)
+
     def count(self, state: ContactState) -> int:
         """Number of modes in a state."""
         return count_in(state, self.counts)
 
     def modal(self, state: ContactState) -> ModalState:
         """One contact state in modal form, for unit loads."""
-        return modal_state(self.loaded, ContactState(state.closed), self.count(state))
+        return modal_state(self.loaded, state.pressed, self.count(state))
 
     def left_out(self, state: ContactState) -> FloatArray:
         """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
-        return np.asarray((self.modal(state).residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+        return self._seen_beside(self.modal(state))
 
-    def coupled(self, state: ContactState) -> Coupled | None:
-        """The oscillators of a state in which a damped stop is closed; None of any other state."""
+    def _seen_beside(self, modal: ModalState) -> FloatArray:
+        """`left_out` of a state in modal form."""
+        return np.asarray((modal.residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+
+    def coupled(self, state: ContactState, count: int | None = None) -> Coupled | None:
+        """The oscillators of a state whose modes are coupled, of its own or another `count` of modes; None of any
+        other state."""
         if not self.damped or not is_coupled(self.loaded.problem, state):
             return None
-        found = self._coupled.get(state)
+        count = count or self.count(state)
+        found = self._coupled.get((state, count))
         if found is None:
-            made = coupled(
-                self.loaded.problem, state, self.modal(state), self.left_out(state), self.sizes, self.harmonics
-            )
-            found = self._coupled[state] = made
+            modal = modal_state(self.loaded, ContactState(state.closed), count)
+            moved = self.sampled > 0 and self.loaded.positions[-1] == MOVED_STOPS
+            loads = self._seen_beside(modal), self.sizes, self.turning, self.sampled, moved
+            found = self._coupled[state, count] = coupled(self.loaded, state, count, *loads, self.side)
         return found
 
     def residual(self, state: ContactState) -> Residual:
@@ -182,27 +187,26 @@ class Joint:
         return Passage(unit.S, unit.residual * self.sizes[:, None])
 
     def whole_passage(self, old: ContactState, new: ContactState) -> tuple[FloatArray, ComplexArray]:
-        """The map of (q, v) from one state to another, ``(2 N, 2 N)``, and the part of the loads, ``(1 + H, 2 N)``.
+        """The map of (q, v) from one state to another, ``(2 N, 2 N)``, and the part of the loads, ``(1 + H + R, 2 N)``.
 
         Either state may be coupled: (q, v) are then (P, V) of `analytic.march.coupled`.
         """
         n_old, n_new = self.count(old), self.count(new)
-        turning = np.concatenate([[0.0], 1j * self.harmonics.omega])
         if old.closed == new.closed:
-            S, left_out = np.eye(n_new, n_old), np.zeros((turning.size, n_new))
+            S, left_out = np.eye(n_new, n_old), np.zeros((self.turning.size, n_new))
         else:
-            made = self.passage(ContactState(old.closed), ContactState(new.closed))
+            made = self.passage(old.pressed, new.pressed)
             S, left_out = made.S, made.residual
         both = np.zeros((2 * n_new, 2 * n_old))
         both[:n_new, :n_old] = both[n_new:, n_old:] = S
-        load = np.concatenate([left_out, turning[:, None] * left_out], axis=1)
+        load = np.concatenate([left_out, self.turning[:, None] * left_out], axis=1)
         before, after = self.coupled(old), self.coupled(new)
         if before is not None:
-            load = load - before.lag @ (both @ before.to[:, n_old:]).T
+            load = load - before.carried @ (both @ before.to[:, n_old:]).T
             both = both @ before.to
         if after is not None:
             load, both = load @ after.back.T, after.back @ both
-            load[:, n_new:] += after.lag
+            load[:, n_new:] += after.carried
         return both, load
 
     def from_modes(self, state: ContactState, q: FloatArray, v: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
@@ -211,23 +215,42 @@ class Joint:
         if it is None:
             return q, v
         y = it.back @ np.concatenate([q, v])
-        y[q.size :] += it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
+        y[q.size :] += self.lags(it.carried, np.array([t]))[:, 0]
         return y[: q.size], y[q.size :]
 
-    def in_modes(self, state: ContactState, P: FloatArray, V: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
-        """The inverse of `from_modes`."""
-        it = self.coupled(state)
+    def in_modes(
+        self, state: ContactState, P: FloatArray, V: FloatArray, t: float, count: int | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """The inverse of `from_modes`, in a state with its own or another `count` of modes."""
+        it = self.coupled(state, count)
         if it is None:
             return P, V
-        lag = it.lag[0].real + (np.exp(1j * self.harmonics.theta(t)) @ it.lag[1:]).imag
-        y = it.to @ np.concatenate([P, V - lag])
+        y = it.to @ np.concatenate([P, V - self.lags(it.carried, np.array([t]))[:, 0]])
         return y[: P.size], y[P.size :]
+
+    def lags(self, lag: ComplexArray, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The dt-th derivative of r at times ``(m,)``, from `lag` or `carried` of `Coupled`: ``(N, m)``."""
+        omega, H = self.harmonics.omega[:, None], self.harmonics.omega.size
+        waves = (1j * omega) ** dt * np.exp(1j * (omega * t + self.harmonics.phase[:, None]))
+        found = (lag[1 : 1 + H].T @ waves).imag + (lag[0].real[:, None] if dt == 0 else 0.0)
+        if self.sampled:
+            loads, of_loads = self.sampled_loads(t), lag[1 + H :].T
+            found += of_loads.real @ loads[dt] + of_loads.imag @ loads[dt + 1]
+        return np.asarray(found)
+
+    def sampled_loads(self, t: FloatArray) -> FloatArray:
+        """The sampled loads at times ``(m,)`` and three derivatives, after knots, ``(4, R, m)``."""
+        blocks = self.problem.forces.ramps
+        assert blocks is not None
+        (force, slope), none = blocks.at(t), np.zeros((len(blocks.forces), t.size))
+        linear = np.stack([force.T, slope.T, none, none])
+        return linear if blocks.base is None else np.concatenate([linear, blocks.base_at(t)[:, None]], axis=1)
 
     def flat(self, state: ContactState) -> FlatState:
         """One contact state as flat arrays, for unit loads; not to be written to."""
         found = self._flat.get(state)
         if found is None:
-            found = self._flat[state] = flat_state(self.loaded, ContactState(state.closed), self.count(state))
+            found = self._flat[state] = flat_state(self.loaded, state.pressed, self.count(state))
         return found
 
     @property
@@ -300,7 +323,9 @@ class Joint:
         state, size = self._states[slot], max(self.counts)
         it = self.coupled(state)
         if it is not None:
-            write_coupled(self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it)
+            write_coupled(
+                self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it, self.turning
+            )
             return
         flat = self.flat(state)
         fill(self.tables, slot, flat)

@@ -50,7 +50,7 @@ class Excitation:
     sizes: FloatArray
     """Factors of the unit loads, shape ``(1 + H + R,)``: 1 for the constant load; the amplitudes of the harmonics, m/s2
     of the moving base, N of loads at points, and m of moved stops; and 1 for sampled loads, whose samples have a unit
-    themselves."""
+    themselves, among them the displacement of stops that a sampled base moves."""
     period: float | None
     """The excitation period, s; None if there is none."""
     changes: Mapping[str, ExcitationChange] = field(default_factory=dict)
@@ -58,13 +58,15 @@ class Excitation:
 
 
 def excitation_of(problem: Problem) -> Excitation:
-    """The excitation of a problem, with its harmonic loads in the order of its forces, and then its moved stops."""
+    """The excitation of a problem: its harmonic loads in the order of its forces, its moved stops, its sampled forces,
+    and stops that a recorded or random base moves."""
     waves: tuple[HarmonicForce | Wave, ...] = (*problem.forces.harmonic, *problem.moved_stops)
     fundamental = problem.excitation_frequency
     harmonics = Harmonics(
         np.array([wave.angular_frequency for wave in waves]), np.array([wave.phase for wave in waves])
     )
-    sizes = np.array([1.0, *(wave.amplitude for wave in waves), *(1.0 for _ in problem.forces.sampled)])
+    sampled = len(problem.forces.sampled) + (problem.forces.seen is not None)
+    sizes = np.array([1.0, *(wave.amplitude for wave in waves), *np.ones(sampled)])
     return Excitation(harmonics, sizes, None if fundamental is None else 2 * math.pi / fundamental)
 
 

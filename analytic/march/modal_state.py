@@ -53,7 +53,13 @@ class LoadedStructure:
     problem: Problem
     """The problem with only the constant part of its loads."""
     positions: Positions
-    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads."""
+    """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads, of which
+    stops that a recorded or random base moves are the last."""
+
+    @cached_property
+    def damped(self) -> bool:
+        """Whether a stop is damped."""
+        return any(stop.damping > 0 for stop in self.problem.structure.stops)
 
     def __reduce__(self) -> tuple[object, ...]:
         return loaded_structure, (self.problem, self.positions)
@@ -118,7 +124,8 @@ def loaded_structure(problem: Problem, positions: Positions | None = None) -> Lo
     """
     if positions is None:
         forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
-        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled))
+        seen = () if forces.seen is None else (MOVED_STOPS,)
+        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled), *seen)
     at_points = [load.shape for load in problem.forces.harmonic if not load.of_base]
     at_points += [load.shape for load in problem.forces.sampled]
     # Loads that change with time act at nodes, too: there they are constant loads of size 0.

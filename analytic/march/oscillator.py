@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.compiling import njit_inner
+from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
@@ -30,12 +30,16 @@ error is 1e-7 of the static deflection.  The phase is off by at most 2e-8 of its
 
 
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
-    """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``."""
+    """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``.
+
+    They are 0 where viscous damping couples the modes: `analytic.march.drag` has its matrix.
+    """
     damping = problem.damping
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
-    rate = damping.coefficient / (2 * problem.line.m) if isinstance(damping, ViscousDamping) else 0.0
-    return np.full(omega.size, rate)
+    if problem.structure.coupling_drag or not isinstance(damping, ViscousDamping):
+        return np.zeros(omega.size)
+    return np.full(omega.size, damping.coefficient / (2 * problem.line.m))
 
 
 @njit_inner()
@@ -75,6 +79,15 @@ def away_from_resonance(omega: float, damping_rate: float, driven: FloatArray, s
                     beside = driven[h] * (1 + side * _DETUNE)
                     edge = max(edge, beside) if side == ABOVE else min(edge, beside)
             away = edge
+    return away
+
+
+@njit_called()
+def all_away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: FloatArray, side: float) -> FloatArray:
+    """`away_from_resonance` of ``N`` modes, rad/s, shape ``(N,)``."""
+    away = omega.copy()
+    for i in range(omega.size):
+        away[i] = away_from_resonance(omega[i], damping_rate[i], driven, side)
     return away
 
 

@@ -15,7 +15,7 @@ from analytic.march.gap_function import fading_powers
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.ramps import RampTables
 from analytic.march.tables import IntArray, Tables
-from analytic.march.terms import set_phases, turn_exactly
+from analytic.march.terms import set_phases, turn_exactly, write_copies
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called, njit_inner
@@ -34,6 +34,17 @@ def interval_at(ramps: RampTables, first: int, t: float) -> int:
     while j < ramps.time.size - 2 and ramps.time[j + 1] <= t:
         j += 1
     return j
+
+
+@njit_inner()
+def load_at(ramps: RampTables, j: int, r: int, t: float) -> tuple[float, float, float, float]:
+    """Load `r` at `t`, s, in interval `j`, and its three derivatives."""
+    s = t - ramps.time[j]
+    if r < ramps.slope.shape[1]:
+        g = ramps.slope[j, r]
+        return ramps.force[j, r] + g * s, g, 0.0, 0.0
+    y, v, a, jerk = ramps.base[j, 0], ramps.base[j, 1], ramps.base[j, 2], ramps.base[j, 3]
+    return y + s * (v + s * (a / 2 + s * jerk / 6)), v + s * (a + s * jerk / 2), a + s * jerk, jerk
 
 
 @njit_inner()
@@ -82,7 +93,7 @@ def start_on_ramps(
     body: FloatArray,
 ) -> None:
     """Write the constants `term` of (32), ``(T,)``, and `body` of a state that starts at `t`, s, from `q`, `v`."""
-    n, H, R = tables.modes[slot], theta.size, ramps.slope.shape[1]
+    n, H, R, L = tables.modes[slot], theta.size, ramps.slope.shape[1], ramps.gain.shape[1]
     extra = n
     for i in range(n):
         x, y = q[i], v[i]
@@ -90,14 +101,12 @@ def start_on_ramps(
             wave = tables.harmonic[slot, h, i] * theta[h]
             x -= wave.imag
             y -= tables.omega[h] * wave.real
-        force, slope = tables.force[slot, 0, i], 0.0
+        for r in range(L):
+            f, g, bend, _ = load_at(ramps, j, r, t)
+            x -= f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
+            y += g * (ramps.jolt[slot, r, i] - ramps.gain[slot, r, i]) - bend * ramps.lag[slot, r, i]
         if ramps.rigid[slot, 0] != i and ramps.rigid[slot, 1] != i:
             x -= tables.static[slot, i, 0]
-            for r in range(R):
-                g = ramps.slope[j, r]
-                f = ramps.force[j, r] + g * (t - ramps.time[j])
-                x -= f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
-                y -= g * ramps.gain[slot, r, i]
             if tables.kind[slot, i] == OSCILLATING:
                 root = tables.root[slot, i]
                 term[i] = complex(x, -(y - root.real * x) / root.imag)
@@ -111,13 +120,17 @@ def start_on_ramps(
         if tables.kind[slot, i] == SPLIT:
             term[extra] = 0.0
             extra += 1
-        for r in range(R):
-            g, p = ramps.slope[j, r], tables.force[slot, 1 + H + r, i]
-            force += p * (ramps.force[j, r] + g * (t - ramps.time[j]))
-            slope += p * g
         b = 0 if ramps.rigid[slot, 0] == i else 1
-        body[b, 0], body[b, 1], body[b, 2] = x, y, force - ramps.drag[slot] * y
-        body[b, 3] = slope - ramps.drag[slot] * body[b, 2]
+        force, slope, drag = ramps.pull[slot, b, 0, 0], 0.0, drag_of(ramps, slot, b)
+        for r in range(R):
+            f, g, _, _ = load_at(ramps, j, r, t)
+            pull = ramps.pull[slot, b, 1 + r]
+            force += pull[0] * f + pull[1] * g
+            slope += pull[0] * g
+        body[b, 0], body[b, 1], body[b, 2] = x, y, force - drag * y
+        body[b, 3] = slope - drag * body[b, 2]
+    if tables.own[slot] > 0:
+        write_copies(tables, slot, term)
 
 
 @njit_inner()
@@ -145,14 +158,28 @@ def over_knot(
             term[t] += change * kick[t]
         for b in range(2):
             if ramps.rigid[slot, b] >= 0:
-                body[b, 3] += change * tables.force[slot, 1 + theta.size + r, ramps.rigid[slot, b]]
+                pull, drag, i = ramps.pull[slot, b, 1 + r], drag_of(ramps, slot, b), ramps.rigid[slot, b]
+                speed = (pull[2] - ramps.gain[slot, r, i]) * change
+                body[b, 0] -= ramps.lag[slot, r, i] * change
+                acceleration = pull[1] * change - drag * speed
+                body[b, 1] += speed
+                body[b, 2] += acceleration
+                body[b, 3] += pull[0] * change - drag * acceleration
+
+
+@njit_inner()
+def drag_of(ramps: RampTables, slot: int, b: int) -> float:
+    """Twice the damping rate of rigid-body mode `b`, 1/s."""
+    return float(ramps.drag[slot, b if ramps.drag.shape[1] > 1 else 0])
 
 
 @njit_called()
-def move_body(drag: float, s: float, body: FloatArray) -> None:
-    """Advance the rigid-body modes, of twice the damping rate `drag`, 1/s, by `s` seconds without a knot, in place."""
-    e0, e1, e2, e3, _ = fading_powers(drag, s)
+def move_body(drag: FloatArray, s: float, body: FloatArray) -> None:
+    """Advance the rigid-body modes, of twice the damping rates `drag`, 1/s, by `s` seconds without a knot, in place."""
+    e0, e1, e2, e3, _ = fading_powers(drag[0], s)
     for b in range(2):
+        if b > 0 and drag.size > 1:
+            e0, e1, e2, e3, _ = fading_powers(drag[b], s)
         x, y, a, jerk = body[b, 0], body[b, 1], body[b, 2], body[b, 3]
         body[b, 0] = x + s * (y + s * a / 2) + jerk * e3
         body[b, 1] = y + s * a + jerk * e2
@@ -172,21 +199,25 @@ def state_on_ramps(
     order: int,
     q: FloatArray,
 ) -> None:
-    """Write the time derivative of `order` 0 to 2 of q at `t`, s, to `q`, ``(N,)``, kg^1/2 m over s^order."""
+    """Write the time derivative of `order` 0 to 3 of q at `t`, s, to `q`, ``(N,)``, kg^1/2 m over s^order."""
+    last = tables.own[slot] if tables.own[slot] > 0 else tables.terms[slot]
     for i in range(tables.modes[slot]):
         x = tables.static[slot, i, 0] if order == 0 else 0.0
         for h in range(theta.size):
             wave, w = tables.harmonic[slot, h, i] * theta[h], tables.omega[h]
-            x += wave.imag if order == 0 else (w * wave.real if order == 1 else -w * w * wave.imag)
-        for r in range(ramps.slope.shape[1]):
-            g = ramps.slope[j, r]
-            if order == 0:
-                f = ramps.force[j, r] + g * (t - ramps.time[j])
-                x += f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
-            elif order == 1:
-                x += g * ramps.gain[slot, r, i]
+            if order == 0 or order == 2:
+                x += wave.imag if order == 0 else -w * w * wave.imag
+            else:
+                x += w * wave.real if order == 1 else -w * w * w * wave.real
+        for r in range(ramps.gain.shape[1]):
+            f, g, bend, jerk = load_at(ramps, j, r, t)
+            if order == 1:
+                f, g = g, bend
+            elif order > 1:
+                f, g = (bend, jerk) if order == 2 else (jerk, 0.0)
+            x += f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
         q[i] = x
-    for k in range(tables.terms[slot]):
+    for k in range(last):
         root, value = tables.root[slot, k], term[k]
         for _ in range(order):
             value *= root
@@ -194,6 +225,29 @@ def state_on_ramps(
     for b in range(2):
         if ramps.rigid[slot, b] >= 0:
             q[ramps.rigid[slot, b]] += body[b, order]
+
+
+@njit_inner()
+def carried_on_ramps(
+    tables: Tables,
+    ramps: RampTables,
+    slot: int,
+    j: int,
+    t: float,
+    theta: ComplexArray,
+    term: ComplexArray,
+    body: FloatArray,
+    q: FloatArray,
+    v: FloatArray,
+) -> None:
+    """Write the coordinates that the march carries on from `t`, s: q, kg^1/2 m, and v, kg^1/2 m/s, ``(N,)`` each."""
+    state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 0, q)
+    state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 1, v)
+    if tables.own[slot] > 0:
+        for r in range(ramps.gain.shape[1]):
+            _, g, _, _ = load_at(ramps, j, r, t)
+            for i in range(tables.modes[slot]):
+                v[i] -= ramps.jolt[slot, r, i] * g
 
 
 @njit_inner()
@@ -207,20 +261,27 @@ def polynomial_on_ramps(
     drift: FloatArray,
     jerk: FloatArray,
 ) -> None:
-    """Write z at the stops' positions but for terms and harmonics: `drift`, ``(U, 3)``, and its third derivative."""
-    for u in range(jerk.size):
-        drift[u, 0], drift[u, 1], drift[u, 2], jerk[u] = ramps.still[slot, u], 0.0, 0.0, 0.0
-        for r in range(ramps.slope.shape[1]):
-            g, gain = ramps.slope[j, r], ramps.gain_at_stops[slot, u, r]
-            drift[u, 0] += (ramps.force[j, r] + g * (t - ramps.time[j])) * gain + g * ramps.lag_at_stops[slot, u, r]
-            drift[u, 1] += g * gain
+    """Write z at the stops' positions but for terms and harmonics: `drift`, ``(U, 3)``, and the parts of its third
+    derivative, ``(U, C)``."""
+    parts = jerk.shape[1]
+    for u in range(jerk.shape[0]):
+        drift[u, 0], drift[u, 1], drift[u, 2] = ramps.still[slot, u], 0.0, 0.0
+        for c in range(parts):
+            jerk[u, c] = 0.0
+        for r in range(ramps.gain.shape[1]):
+            f, g, bend, third = load_at(ramps, j, r, t)
+            gain, lag = ramps.gain_at_stops[slot, u, r], ramps.lag_at_stops[slot, u, r]
+            drift[u, 0] += f * gain + g * lag
+            drift[u, 1] += g * gain + bend * lag
+            drift[u, 2] += (bend * gain + third * lag) / 2
+            jerk[u, parts - 1] += third * gain
         for b in range(2):
             if ramps.rigid[slot, b] >= 0:
-                weight = tables.weight[slot, u, ramps.rigid[slot, b]]
-                drift[u, 0] += weight * body[b, 0]
-                drift[u, 1] += weight * body[b, 1]
-                drift[u, 2] += weight * body[b, 2] / 2
-                jerk[u] += weight * body[b, 3]
+                weight, by_speed = ramps.rigid_at_stops[slot, u, b, 0], ramps.rigid_at_stops[slot, u, b, 1]
+                drift[u, 0] += weight * body[b, 0] + by_speed * body[b, 1]
+                drift[u, 1] += weight * body[b, 1] + by_speed * body[b, 2]
+                drift[u, 2] += (weight * body[b, 2] + by_speed * body[b, 3]) / 2
+                jerk[u, b if parts > 1 else 0] += (weight - drag_of(ramps, slot, b) * by_speed) * body[b, 3]
 
 
 @njit_inner()
@@ -233,11 +294,16 @@ def carry_ramps(
     `slot` is the state before the switch of `stop`; `q`, kg^1/2 m, and `v`, kg^1/2 m/s, are the coordinates after it.
     See `analytic.march.switching.switch`.
     """
-    j, onto = interval_at(ramps, ramps.interval[0], t), tables.carry_residual[tables.passage[slot, stop]]
-    for r in range(ramps.slope.shape[1]):
-        g = ramps.slope[j, r]
-        f = ramps.force[j, r] + g * (t - ramps.time[j])
+    j, row = interval_at(ramps, ramps.interval[0], t), tables.passage[slot, stop]
+    onto = tables.carry_residual[row]
+    for r in range(ramps.gain.shape[1]):
+        f, g, _, _ = load_at(ramps, j, r, t)
         for i in range(tables.modes[tables.next_slot[slot, stop]]):
+            if tables.owner.size > 0:
+                whole = tables.whole_load[row, 1 + harmonics + r]
+                q[i] += f * whole[0, i].real + g * whole[0, i].imag
+                v[i] += f * whole[1, i].real + g * whole[1, i].imag
+                continue
             q[i] += f * onto[1 + harmonics + r, i]
             v[i] += g * onto[1 + harmonics + r, i]
 
@@ -254,7 +320,8 @@ def coordinates_on_ramps(
     t: FloatArray,
     result: FloatArray,
 ) -> None:
-    """Write the modal displacements and two time derivatives, ``(m, 3, N)``, kg^1/2 m over powers of s, to `result`.
+    """Write the modal displacements and their time derivatives, ``(m, orders, N)``, kg^1/2 m over powers of s, to
+    `result`.
 
     The ``M`` segments have the states `slots` and start at `start`, s, from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(M,
     N)``.  The ``m`` times `t`, s, and their segments `which` are ascending.
@@ -285,5 +352,5 @@ def coordinates_on_ramps(
         turn_exactly(tables.root[slot], tables.omega[:0], terms, t[i] - base, now, none)
         move_body(ramps.drag[slot], t[i] - base, moved)
         set_phases(tables, t[i], theta)
-        for order in range(3):
+        for order in range(result.shape[1]):
             state_on_ramps(tables, ramps, slot, j, t[i], theta, now, moved, order, result[i, order])

@@ -6,7 +6,18 @@ While a modal force is F + G s, the particular motion of a mode with stiffness i
 
 and what the left-out modes add is F + G s times their quasi-static shape.  Where G changes by dG at a knot, p jumps by
 -2 a dG / omega^4 and p' by dG / omega^2, and the free motion by the opposite: each term changes by its *kick* times dG.
-A march over a knot therefore needs no displacements and velocities.  Modes without stiffness are carried as q, q', q''
+A march over a knot therefore needs no displacements and velocities.
+
+Stops that stand still in space move relative to the base by -y, and their gaps see y beside z.  Its acceleration is
+linear between knots, so y is a load with two more derivatives; while the modal force is F y,
+
+    p(s) = c0 y + c1 y' + c2 a + c3 a',    c0 = F / omega^2,    c_n = -(2 a c_(n-1) + c_(n-2)) / omega^2,
+
+where a = y'' and a' are minus the first load, the force of inertia, and minus its rate: gain and lag of that load take
+c2 and c3.
+In a coupled state, see `analytic.march.coupled`, forces contain rates of the loads, and velocities jump with these.
+
+  Modes without stiffness are carried as q, q', q''
 and q''', see `analytic.march.gap_function.Rigid`, because for a small drag their p is a difference of huge numbers.
 """
 
@@ -16,10 +27,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from analytic.march.coupled import places_of
 from analytic.march.joint import Joint
 from analytic.march.oscillator import OSCILLATING
-from analytic.march.tables import BoolArray, FlatState, IntArray, Tables, flat_state
+from analytic.march.tables import BoolArray, IntArray
 from analytic.modes.beam_functions import ComplexArray
+from lapjoint.answers.contact_state import ContactState
 from lapjoint.compiled.by_reference import by_reference, in_c_order
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
@@ -31,7 +44,10 @@ _RIGID = 2  # most rigid-body modes of a beam: it moves, and it turns
 
 @by_reference
 class RampTables(NamedTuple):
-    """``K`` knots, ``R`` forces, ``S`` slots, at most ``N`` modes and ``T`` terms, ``U`` positions, ``P`` stops."""
+    """``K`` knots, ``R`` forces, ``S`` slots, at most ``N`` modes and ``T`` terms, ``U`` positions, ``P`` stops.
+
+    There are ``L`` loads: the forces, and the displacement of the base if stops fixed in space see it.
+    """
 
     time: FloatArray
     """The knots, s, shape ``(K,)``."""
@@ -41,26 +57,36 @@ class RampTables(NamedTuple):
     """Rate of the forces from each knot to the next, N/s or N/(m s), shape ``(K - 1, R)``."""
     spacing: float
     """The time between most knots, s; 0 where it differs from knot to knot."""
+    base: FloatArray
+    """Displacement of the base that stops fixed in space see, and three derivatives, from each knot on, m over powers
+    of s, shape ``(K - 1, 4)``; ``(0, 4)`` without such stops."""
     whole: ComplexArray
     """exp(lambda spacing) of each term, shape ``(S, T)``."""
     gain: FloatArray
-    """1 / omega^2 times the modal force, kg^1/2 m for each unit of load, 0 without stiffness, shape ``(S, R, N)``."""
+    """Displacement of each mode, kg^1/2 m for each unit of load, 0 without stiffness, shape ``(S, L, N)``."""
     lag: FloatArray
-    """-2 a / omega^4 times the modal force, kg^1/2 m for each unit of the load's rate, shape ``(S, R, N)``."""
+    """Displacement of each mode, kg^1/2 m for each unit of the load's rate, shape ``(S, L, N)``."""
+    jolt: FloatArray
+    """Force on each oscillator of a coupled state by the rate of the load's rate, shape ``(S, L, N)``.  The velocity
+    contains it times the load's rate, which jumps at a knot; the march carries the rest of the velocity."""
     kick: ComplexArray
     """Change of each term, kg^1/2 m for each unit of change of the rate, shape ``(S, R, T)``."""
     still: FloatArray
     """Displacement at the positions of the stops under the constant loads, rigid-body modes aside, m, ``(S, U)``."""
     gain_at_stops: FloatArray
-    """Quasi-static displacement at the positions of the stops, residual included, m for each unit of load, ``(S, U,
-    R)``."""
+    """What the gaps at the positions of the stops see, residual included, m for each unit of load, ``(S, U, L)``."""
     lag_at_stops: FloatArray
-    """Part of the displacement at the positions of the stops that lags, m for each unit of the load's rate, ``(S, U,
-    R)``."""
+    """What the gaps at the positions of the stops see, m for each unit of the load's rate, ``(S, U, L)``."""
     rigid: IntArray
     """The rigid-body modes, -1 for none, shape ``(S, 2)``."""
+    rigid_at_stops: FloatArray
+    """Weights of displacement and velocity of these modes at the positions of the stops, ``(S, U, 2, 2)``."""
+    pull: FloatArray
+    """Force on these modes by the constant load and each of ``R`` loads, by its rate, and by the rate of its rate,
+    shape ``(S, 2, 1 + R, 3)``."""
     drag: FloatArray
-    """Twice the damping rate of the rigid-body modes, 1/s, shape ``(S,)``."""
+    """Rates at which the parts of `Rigid` fall, 1/s, shape ``(S, C)``: one for all rigid-body modes; or, with damped
+    stops or a base that stops see, one for each of two, and 0."""
     interval: IntArray
     """The interval between knots in which the march is, shape ``(1,)``; changed in place."""
     goes_on: BoolArray
@@ -108,7 +134,13 @@ class RampState:
 def on_block(made: RampTables, joint: Joint, block: Ramps) -> RampTables:
     """The tables with another block of the ramps; all other arrays are shared with `made`."""
     whole = made.whole if block.spacing == made.spacing else np.exp(joint.tables.root * block.spacing)
-    return made._replace(time=block.time, force=block.force, slope=block.slope, spacing=block.spacing, whole=whole)
+    made = made._replace(time=block.time, force=block.force, slope=block.slope, spacing=block.spacing)
+    return made._replace(base=_base_of(block), whole=whole)
+
+
+def _base_of(block: Ramps) -> FloatArray:
+    """`RampTables.base` of a block."""
+    return np.zeros((0, 4)) if block.base is None else np.ascontiguousarray(block.base_at(block.time[:-1]).T)
 
 
 def ramp_tables(
@@ -118,22 +150,26 @@ def ramp_tables(
 
     `carried` are `interval`, `goes_on` and `shift`, new ones if not given.
     """
-    tables, R = joint.tables, ramps.force.shape[1]
+    tables, R, L = joint.tables, ramps.force.shape[1], joint.sampled
     S, N, T, U = tables.modes.size, tables.kind.shape[1], tables.root.shape[1], tables.weight.shape[1]
     made = RampTables(
         time=ramps.time,
         force=ramps.force,
         slope=ramps.slope,
         spacing=ramps.spacing,
+        base=_base_of(ramps),
         whole=np.exp(tables.root * ramps.spacing),
-        gain=np.zeros((S, R, N)),
-        lag=np.zeros((S, R, N)),
+        gain=np.zeros((S, L, N)),
+        lag=np.zeros((S, L, N)),
+        jolt=np.zeros((S, L, N)),
         kick=np.zeros((S, R, T), dtype=complex),
         still=np.zeros((S, U)),
-        gain_at_stops=np.zeros((S, U, R)),
-        lag_at_stops=np.zeros((S, U, R)),
+        gain_at_stops=np.zeros((S, U, L)),
+        lag_at_stops=np.zeros((S, U, L)),
         rigid=np.full((S, _RIGID), -1, dtype=np.int64),
-        drag=np.zeros(S),
+        rigid_at_stops=np.zeros((S, U, _RIGID, 2)),
+        pull=np.zeros((S, _RIGID, 1 + R, 3)),
+        drag=np.zeros((S, _RIGID + 1 if joint.damped or L > R else 1)),
         interval=np.zeros(1, dtype=np.int64),
         goes_on=np.zeros(1, dtype=np.bool_),
         shift=np.zeros(tables.sign.size),
@@ -142,34 +178,86 @@ def ramp_tables(
     if carried is not None:
         made = made._replace(interval=carried[0], goes_on=carried[1], shift=carried[2])
     for slot, state in enumerate(joint.states):
-        _fill(made, tables, slot, flat_state(joint.loaded, state, joint.count(state)))
+        _fill(made, joint, slot, _pushed(joint, slot, state))
     return made
 
 
-def _fill(made: RampTables, tables: Tables, slot: int, flat: FlatState) -> None:
+class _Pushed(NamedTuple):
+    """What ``L`` sampled loads do in a state: real parts by the load, imaginary parts by its rate."""
+
+    force: ComplexArray
+    """Forces on the modes, or on the oscillators of a coupled state, shape ``(L, N)``."""
+    jolt: FloatArray
+    """Forces by the rate of the load's rate, shape ``(L, N)``."""
+    constant: FloatArray
+    """Forces of the constant load, shape ``(N,)``."""
+    reads: FloatArray
+    """Weights of displacements and velocities at the positions of the stops, shape ``(U, 2, N)``."""
+    rest: ComplexArray
+    """What the gaps at the positions see beside these, m, shape ``(U, L)``."""
+
+
+def _pushed(joint: Joint, slot: int, state: ContactState) -> _Pushed:
+    """What the sampled loads of a joint do in a state."""
+    tables, L, it = joint.tables, joint.sampled, joint.coupled(state)
+    n, U = int(tables.modes[slot]), tables.weight.shape[1]
+    if it is not None:
+        reads, rest = places_of(
+            joint.loaded.problem, state, joint.modal(state), joint.left_out(state), it, joint.turning
+        )
+        return _Pushed(it.push[-L:], it.lag[-L:].imag, it.push[0].real, reads, rest[:, -L:])
+    flat, reads, rest = joint.flat(state), np.zeros((U, 2, n)), np.zeros((U, L), dtype=complex)
+    reads[:, 0] = tables.weight[slot, :, :n]
+    rest[: flat.residual.shape[0]] = flat.residual[:, -L:]
+    return _Pushed(flat.force[-L:].astype(complex), np.zeros((L, n)), tables.force[slot, 0, :n], reads, rest)
+
+
+def _fill(made: RampTables, joint: Joint, slot: int, by: _Pushed) -> None:
     """Write one state into its slot."""
-    n, terms, R = int(tables.modes[slot]), int(tables.terms[slot]), made.gain.shape[1]
-    root, force, weight = tables.root[slot], flat.force[-R:], tables.weight[slot, :, :n]
+    tables = joint.tables
+    n, R, root = int(tables.modes[slot]), made.kick.shape[1], tables.root[slot]
+    terms = int(tables.own[slot] or tables.terms[slot])  # without the copies of `analytic.march.coupled`
     others = root[:n].conj()
     others[tables.mode_of[slot, n:terms]] = root[n:terms]
     square, twice = (root[:n] * others).real, -(root[:n] + others).real  # omega^2 and 2 a
     elastic = square > 0
-    made.gain[slot, :, :n] = np.divide(force, square, out=np.zeros_like(force), where=elastic)
-    made.lag[slot, :, :n] = -np.divide(twice * made.gain[slot, :, :n], square, out=np.zeros_like(force), where=elastic)
-    x, y = -made.lag[slot, :, :n], -made.gain[slot, :, :n]
+    soft = np.divide(1.0, square, out=np.zeros(n), where=elastic)
+    lossy = np.divide(1.0, twice, out=np.zeros(n), where=~elastic & (twice > 0))
+    gain = by.force.real * soft
+    lag = (by.force.imag - twice * gain) * soft
+    by_speed = by.reads[:, 1] @ gain.T
+    gain_at_stops = np.zeros((by.reads.shape[0], gain.shape[0]))
+    if made.base.size:
+        # a rigid-body motion with drag feels the rate of the base alone: its equation, integrated once
+        gain[-1] += by.force.imag[-1] * lossy
+        lag[-1] += (by.jolt[-1] - gain[-1]) * lossy
+        bend = (by.jolt[-1] - twice * lag[-1] - gain[-1]) * soft - lag[-1] * lossy
+        gain[0] -= bend  # the first load is minus the acceleration of the base
+        lag[0] += (twice * bend + lag[-1]) * soft + bend * lossy
+        by_speed = by.reads[:, 1] @ gain.T
+        gain_at_stops[:, 0] = -by.reads[:, 1] @ lag[-1]
+    made.gain[slot, :, :n], made.lag[slot, :, :n], made.jolt[slot, :, :n] = gain, lag, by.jolt
+    x, y = -lag[:R], by.jolt[:R] - gain[:R]
     oscillating = np.flatnonzero(tables.kind[slot, :n] == OSCILLATING)
-    one = root[oscillating]
-    made.kick[slot][:, oscillating] = (
-        x[:, oscillating] - 1j * (y[:, oscillating] - one.real * x[:, oscillating]) / one.imag
-    )
+    one, kick = root[oscillating], made.kick[slot]
+    kick[:, oscillating] = x[:, oscillating] - 1j * (y[:, oscillating] - one.real * x[:, oscillating]) / one.imag
     for extra, i in enumerate(tables.mode_of[slot, n:terms].tolist(), start=n):
         if elastic[i]:
             first, second = root[i].real, root[extra].real
-            made.kick[slot, :, i] = (y[:, i] - second * x[:, i]) / (first - second)
-            made.kick[slot, :, extra] = (first * x[:, i] - y[:, i]) / (first - second)
+            kick[:, i] = (y[:, i] - second * x[:, i]) / (first - second)
+            kick[:, extra] = (first * x[:, i] - y[:, i]) / (first - second)
+    copies = slice(terms, int(tables.terms[slot]))
+    kick[:, copies] = 1j * kick[:, tables.mode_of[slot, copies]]
     rigid = np.flatnonzero(~elastic)
     made.rigid[slot, : rigid.size] = rigid
-    made.drag[slot] = twice[rigid].max(initial=0.0)
-    made.still[slot] = tables.constant[slot] + weight[:, elastic] @ tables.static[slot, :n, 0][elastic]
-    made.gain_at_stops[slot] = flat.residual[:, -R:] + weight @ made.gain[slot, :, :n].T
-    made.lag_at_stops[slot] = weight @ made.lag[slot, :, :n].T
+    made.rigid_at_stops[slot, :, : rigid.size] = by.reads[:, :, rigid].transpose(0, 2, 1)
+    made.pull[slot, : rigid.size, 0, 0] = by.constant[rigid]
+    parts = by.force[:R, rigid].real, by.force[:R, rigid].imag, by.jolt[:R, rigid]
+    made.pull[slot, : rigid.size, 1:] = np.stack(parts, axis=-1).transpose(1, 0, 2)
+    if made.drag.shape[1] == 1:
+        made.drag[slot] = twice[rigid].max(initial=0.0)
+    else:
+        made.drag[slot, : rigid.size] = twice[rigid]
+    made.still[slot] = tables.constant[slot] + by.reads[:, 0, elastic] @ tables.static[slot, :n, 0][elastic]
+    made.gain_at_stops[slot] = gain_at_stops + by.rest.real + by.reads[:, 0] @ gain.T
+    made.lag_at_stops[slot] = by.rest.imag + by.reads[:, 0] @ lag.T + by_speed

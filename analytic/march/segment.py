@@ -37,12 +37,12 @@ from analytic.march.deepest import deepest_of
 from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_positions, fading_powers
 from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, Motion, Work
 from analytic.march.ramp_segment import (
+    carried_on_ramps,
     interval_at,
     move_body,
     over_knot,
     polynomial_on_ramps,
     start_on_ramps,
-    state_on_ramps,
     turn_whole,
     up_to_knot,
 )
@@ -113,7 +113,7 @@ def follow(
         drift_at_stops(tables, slot, poly, drift)
     else:
         j, beginning = interval_at(ramps, ramps.interval[0], start), not ramps.goes_on[0]
-        jerk, body = zeros(positions), zeros((2, 4))
+        jerk, body = zeros((positions, ramps.drag.shape[1])), zeros((2, 4))
         rigid, shift = Rigid(jerk, ramps.drag[slot]), ramps.shift
         start_on_ramps(tables, ramps, slot, j, start, theta, q, v, term, body)
     while True:
@@ -166,8 +166,7 @@ def follow(
     if ramps is not None:
         if ended:
             move_body(ramps.drag[slot], s, body)
-        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 0, q)
-        state_on_ramps(tables, ramps, slot, j, base, theta, term, body, 1, v)
+        carried_on_ramps(tables, ramps, slot, j, base, theta, term, body, q, v)
         ramps.interval[0], ramps.goes_on[0] = j, True
     motion.time[0], motion.time[1], motion.counts[PENDING] = base, rate, which
 
@@ -206,7 +205,7 @@ def search(
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
-    first = 0
+    first, ramps_go_on = 0, rigid is not None and not beginning and tables.owner.size > 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
         at_positions(forced, omega, s, theta, drift, out)
@@ -250,6 +249,8 @@ def search(
             h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
             value = min(h - shift[k] + tail[u, summed], 0.0)
             bound = first_root_of_bound(value, h1, h2, b3, tau)
+            if ramps_go_on and s == 0 and tables.owner[k] >= 0 and summed == terms and h > shift[k]:
+                bound = 0.0  # where a load has a knot, the velocities that the modes leave out jump
             if bound < tau:
                 tau, which, rate = bound, k, h1
                 there = summed == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
@@ -373,5 +374,6 @@ def add_areas(
         for h in range(theta.size):
             z -= (forced[h] * (theta[h] - theta0[h])).real / tables.omega[h]
         if rigid is not None:
-            z += rigid.jerk[u] * fading_powers(rigid.drag, s)[4]
+            for c in range(rigid.drag.size):
+                z += rigid.jerk[u, c] * fading_powers(rigid.drag[c], s)[4]
         area[k] += tables.sign[k] * z - tables.gap[k] * s

@@ -26,7 +26,7 @@ def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tupl
     modes = joint.modal(FREE).modes
     shapes = (modes.shapes(places) / modes.omega[:, None] ** 2).T
     if state != FREE:
-        shapes = shapes @ joint.passage(FREE, ContactState(state.closed)).S.T
+        shapes = shapes @ joint.passage(FREE, state.pressed).S.T
     return shapes, np.array([_deflection(joint, float(a), places) for a in places])
 
 
@@ -46,7 +46,7 @@ def free_energy(joint: Joint, state: ContactState) -> FloatArray:
     """
     modal = joint.modal(FREE)
     n = joint.count(state)
-    into = np.eye(n) if state == FREE else joint.passage(ContactState(state.closed), FREE).S
+    into = np.eye(n) if state == FREE else joint.passage(state.pressed, FREE).S
     bending = into.T @ (modal.modes.omega[:, None] ** 2 * into)
     nothing = np.zeros((n, n))
     matrix, it = np.block([[(bending + bending.T) / 2, nothing], [nothing, np.eye(n)]]), joint.coupled(state)

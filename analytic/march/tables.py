@@ -133,12 +133,13 @@ class Tables(NamedTuple):
     """Number of terms without second copies, 0 in states without copies, shape ``(S,)``; see
     `analytic.march.coupled`."""
     twist: FloatArray
-    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; without damped stops ``(S, 0, 0)``."""
+    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; ``(S, 0, 0)`` if no
+    state may be coupled."""
     gradient: FloatArray
     """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
-    N)``; without damped stops ``(S, 0, 2, 0)``."""
+    N)``; ``(S, 0, 2, 0)`` if no state may be coupled."""
     push: ComplexArray
-    """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; without damped stops ``(S, 0, 0)``."""
+    """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; ``(S, 0, 0)`` if none may be."""
     next_slot: IntArray
     """Slot after a stop has switched, or -1 where that switch is not known yet, shape ``(S, P)``."""
     passage: IntArray
@@ -150,7 +151,7 @@ class Tables(NamedTuple):
     R, N)``."""
     whole: FloatArray
     """(q, v) after each known switch for units of (q, v) before, shape ``(K, 2, N, 2, N)``, which stands in for `carry`
-    where stops are damped; ``(K, 2, 0, 2, 0)`` without damped stops."""
+    where states may be coupled; ``(K, 2, 0, 2, 0)`` if no state may be coupled."""
     whole_load: ComplexArray
     """The part of (q, v) after each known switch that the loads bring, kg^1/2 m and kg^1/2 m/s, shape ``(K, 1 + H, 2,
     N)``, or ``(K, 1 + H, 2, 0)``."""
@@ -167,8 +168,8 @@ class Tables(NamedTuple):
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
     owner: IntArray
-    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` without
-    damped stops.  See `analytic.march.coupled`."""
+    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` if no
+    state may be coupled.  See `analytic.march.coupled`."""
     step: FloatArray
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     unit: float
@@ -337,12 +338,13 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     damped = [k for k, stop in enumerate(problem.structure.stops) if stop.damping > 0]
+    may_couple = bool(damped) or problem.structure.coupling_drag > 0
     rows = [*problem.structure.stops, *(problem.structure.stops[k] for k in damped)]
     places = int(position.max(initial=-1)) + 1
     position = np.concatenate([position, places + np.arange(len(damped))])
     P, U, H = position.size, int(position.max(initial=-1)) + 1, harmonics.omega.size
     S, N, T = slots, size, 2 * size
-    (V, M), own = (U, N) if damped else (0, 0), len(problem.structure.stops)
+    (V, M), own = (U, N) if may_couple else (0, 0), len(problem.structure.stops)
     return Tables(
         modes=np.zeros(S, dtype=np.int64),
         terms=np.zeros(S, dtype=np.int64),
@@ -364,7 +366,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         own=np.zeros(S, dtype=np.int64),
         twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
-        push=np.zeros((S, 1 + H if damped else 0, M), dtype=complex),
+        push=np.zeros((S, 1 + H if may_couple else 0, M), dtype=complex),
         next_slot=np.full((S, P), -1, dtype=np.int64),
         passage=np.full((S, P), -1, dtype=np.int64),
         carry=np.zeros((switches, N, N)),
@@ -377,7 +379,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         position=position,
         sign=np.array([stop.sign for stop in rows], dtype=float),
         gap=np.array([stop.gap for stop in rows], dtype=float),
-        owner=np.array([-1] * own + damped if damped else [], dtype=np.int64),
+        owner=np.array([-1] * own + damped if may_couple else [], dtype=np.int64),
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )

@@ -101,18 +101,24 @@ def base_motion(problem: Problem, order: int) -> tuple[float, float]:
             size * (math.sin(wave.phase), math.cos(wave.phase), -math.sin(wave.phase), -math.cos(wave.phase))[order % 4]
         )
         error += _ROUNDING * size * abs(wave.phase)
+    blocks = problem.forces.ramps
+    if blocks is not None and blocks.base is not None and order < 4:
+        value = float(blocks.base_at(np.zeros(1))[order, 0])
+        error = _ROUNDING * abs(value)
     return value, error
 
 
 def _derivative(joint: Joint, state: ContactState, order: int) -> Rounded:
     """A time derivative of what the gaps of the stops see at t = 0, of order 2 or higher, m/s^order, ``(P,)``."""
     modal = joint.modal(state)
-    square, drag = modal.modes.omega**2, 2 * modal.damping_rate
+    square, it = modal.modes.omega**2, joint.coupled(state)
     known = [_NOTHING, _velocities(joint, state)]  # of each order; q itself is not needed
     with np.errstate(over="ignore", invalid="ignore"):  # a value that is not finite decides nothing
         for n in range(order - 1):
             elastic = _elastic(joint, state, n) if n < 2 else _times(square, known[n])
-            known.append(_difference(_force(joint, state, n), elastic, _times(drag, known[n + 1])))
+            v = known[n + 1]
+            drag = _times(2 * modal.damping_rate, v) if it is None else _product(it.D, v)
+            known.append(_difference(_force(joint, state, n), elastic, drag))
         value, error = known[order]
         shapes, seen = modal.at_stops, np.array([stop.base_share for stop in joint.problem.structure.stops])
         base, of_base = base_motion(joint.problem, order)
@@ -123,6 +129,12 @@ def _times(factor: FloatArray, one: Rounded) -> Rounded:
     """A rounded product."""
     value = factor * one[0]
     return value, factor * one[1] + _ROUNDING * np.abs(value)
+
+
+def _product(matrix: FloatArray, one: Rounded) -> Rounded:
+    """A rounded product with a matrix."""
+    value, size = matrix @ one[0], np.abs(matrix)
+    return value, size @ one[1] + _ROUNDING * (size @ np.abs(one[0]))
 
 
 def _difference(first: Rounded, *others: Rounded) -> Rounded:
@@ -149,9 +161,10 @@ def _force(joint: Joint, state: ContactState, n: int) -> Rounded:
     if joint.sampled:
         blocks = joint.problem.forces.ramps
         assert blocks is not None
-        ramps = [part[0] for part in blocks.at(np.zeros(1))]
-        factor.append(ramps[n] if n < 2 else np.zeros(joint.sampled))
-        largest.append(np.abs(factor[-1]))
+        ramps = blocks.at(np.zeros(1))[n][0] if n < 2 else np.zeros(len(blocks.forces))
+        base = [] if blocks.base is None else [base_motion(joint.problem, n)[0]]
+        factor += [ramps, np.array(base)]
+        largest += [np.abs(part) for part in factor[-2:]]
     size = np.concatenate(largest) @ np.abs(loads).max(axis=1, initial=0.0)
     return _or_nothing(np.concatenate(factor) @ loads, np.full(loads.shape[1], _ROUNDING * size))
 

@@ -271,21 +271,21 @@ def _term_by_term(f: BeamFunctions, rows: IntArray, g: BeamFunctions, columns: I
     for s in range(m.size):
         bent = bent_f[rows, s] | bent_g[columns, s]
         if not bent.all():
-            total[~bent] += m[s] * _waves_waves(f, rows[~bent], g, columns[~bent], s)
+            total[~bent] += m[s] * waves_waves(f, rows[~bent], g, columns[~bent], s)
         if bent.any():
-            x, weights = _gauss(float(f.nodes[s]), float(f.nodes[s + 1]))
+            x, weights = gauss(float(f.nodes[s]), float(f.nodes[s + 1]))
             total[bent] += m[s] * ((f(x)[rows[bent]] * g(x)[columns[bent]]) @ weights)
     return total
 
 
-def _gauss(x0: float, x1: float) -> tuple[FloatArray, FloatArray]:
+def gauss(x0: float, x1: float) -> tuple[FloatArray, FloatArray]:
     """Gauss points and weights, m, on a span, exact for products of two polynomials."""
     nodes, weights = np.polynomial.legendre.leggauss(TERMS)
     half = (x1 - x0) / 2
     return x0 + half * (1 + nodes), half * weights
 
 
-def _waves_waves(f: BeamFunctions, rows: IntArray, g: BeamFunctions, columns: IntArray, s: int) -> FloatArray:
+def waves_waves(f: BeamFunctions, rows: IntArray, g: BeamFunctions, columns: IntArray, s: int) -> FloatArray:
     """The integral of the exponentials of pairs on span `s`: Re u Re v = Re (u v + u conj v) / 2, ``(pairs,)``."""
     total = np.zeros(rows.size)
     x0, x1 = f.nodes[s], f.nodes[s + 1]

@@ -1,12 +1,13 @@
-r"""Contact states in which a damped stop is closed: the mesh as a first-order system, by its own exponentials.
+r"""Contact states whose damping couples the modes: the mesh as a first-order system, by its own exponentials.
 
 In the modes of the mesh with the springs that act, frequencies omega_i and values phi_k at stop k, the motion obeys
 
     q'' + D q' + omega^2 q = f(t),    D = C + sum over pressing damped stops of c_k phi_k phi_k^T.
 
-A stop that has let go has no spring here.  C is that of the problem: 2 a in each mode where damping is the same in all
-states; under modal damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so
-that C = S (2 a) S^T with the map S between both sets of modes.
+A stop that has let go has no spring here.  C is that of the problem.  If damping is the same in all states, it is 2 a
+of each mode, or a full matrix if viscous damping couples the modes, which then are coupled in all states.  Under modal
+damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so that C = S (2 a) S^T
+with the map S between both sets of modes.
 
 The matrix of (omega q, q') has its own eigenvalues r and eigenvectors, and a motion without loads is the real part of a
 sum of c exp(r s), with one term for each pair of complex eigenvalues and one for each real one.  Rigid-body modes are
@@ -27,6 +28,7 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg
 
 from fe_lapjoint.march.compiled import integrals
@@ -60,14 +62,14 @@ class Exponentials:
     without such modes."""
 
 
-def exponentials(omega: FloatArray, own: FloatArray, pressing: FloatArray) -> Exponentials:
-    """The free motions of q'' + D q' + omega^2 q = 0, of frequencies ``(n,)`` and matrices D = own + pressing, 1/s.
+def exponentials(omega: FloatArray, own: FloatArray, coupling: FloatArray) -> Exponentials:
+    """The free motions of q'' + D q' + omega^2 q = 0, of frequencies ``(n,)`` and matrices D = own + coupling, 1/s.
 
-    Where two eigenvectors nearly coincide, as at critical damping, `pressing` is changed by as little as parts them.
+    Where two eigenvectors nearly coincide, as at critical damping, `coupling` is changed by as little as parts them.
     """
     best, least = None, math.inf
     for i in range(_ATTEMPTS):
-        found, skew = _exponentials(omega, own + pressing * (1 + (_APART * 2**i if i else 0.0)))
+        found, skew = _exponentials(omega, own + coupling * (1 + (_APART * 2**i if i else 0.0)))
         if best is None or skew < least:
             best, least = found, skew
         if skew < _SKEW:
@@ -88,11 +90,10 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     A[at, np.arange(m)] = -s
     A[m:, m:] = -D[np.ix_(moving, moving)]
     values, vectors = scipy.linalg.eig(A)
-    inverse = np.linalg.inv(vectors)
-    skew = float(np.linalg.norm(vectors, 2) * np.linalg.norm(inverse, 2)) if values.size else 1.0
+    skew = float(np.linalg.cond(vectors)) if values.size else 1.0
     upper = np.flatnonzero(values.imag >= 0)
     rates, vectors = values[upper], vectors[:, upper]
-    inverse = inverse[upper] * np.where(rates.imag > 0, 2.0, 1.0)[:, None]
+    inverse = _amplitudes_of(vectors, rates.imag > 0)
     rates = np.minimum(rates.real, 0.0) + 1j * rates.imag
     modes, back = np.zeros((n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
     modes[moving] = vectors[m:] / rates
@@ -108,9 +109,23 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     return Exponentials(rates, modes, back, rest), skew
 
 
+def _amplitudes_of(vectors: ComplexArray, ring: npt.NDArray[np.bool_]) -> ComplexArray:
+    """The c for which the real part of vectors @ c is given, ``(T, size)``, of ``T`` vectors, ``(size, T)``.
+
+    `ring`, ``(T,)``, says which vectors have an imaginary part.  Real and imaginary parts are columns of one real
+    matrix: in a complex inverse, two nearly equal vectors would leave errors that do not cancel in the real part.
+    """
+    others = vectors.imag[:, ring]
+    sizes = np.linalg.norm(others, axis=0)
+    inverse = np.linalg.inv(np.concatenate([vectors.real, others / sizes], axis=1))
+    found = inverse[: ring.size].astype(complex)
+    found[ring] -= 1j * inverse[ring.size :] / sizes[:, None]
+    return found
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Coupled(System):
-    """A state in which damped stops are closed; `System` says what the fields are where this class says nothing else.
+    """A state whose modes are coupled; `System` says what the fields are where this class says nothing else.
 
     The places are the positions of the ``P`` stops, and then the points of closed damped stops that read z + (c / k)
     z'.  `place_of` is the place of each gap function that may switch, as `Model.rows` lists them.
@@ -132,6 +147,11 @@ class Coupled(System):
     def of_forces(self) -> Coupled:
         """The same state, whose gap functions are those of the forces of the stops, shape ``(P,)``."""
         return replace(self, place_of=self.force_place)
+
+    def jacobian(self, t: float, y: FloatArray) -> FloatArray:
+        """Derivative of `rates` by y. See `System.jacobian`."""
+        n = self.omega.size
+        return np.block([[np.zeros((n, n)), np.eye(n)], [-np.diag(self.omega**2), -self.D]])
 
     @cached_property
     def plain(self) -> bool:
@@ -375,22 +395,28 @@ def _powers_of(s: FloatArray, dt: int) -> FloatArray:
 
 
 def coupled_system(
-    base: System, state: ContactState, stops: Sequence[PlacedStop], own: FloatArray, alike: Coupled | None
+    base: System,
+    state: ContactState,
+    stops: Sequence[PlacedStop],
+    own: FloatArray,
+    drag: FloatArray | None,
+    alike: Coupled | None,
 ) -> Coupled:
-    """A state in which damped stops are closed, from the one in which the springs that act are closed stops.
+    """A state whose modes are coupled, from the one in which the springs that act are closed stops.
 
-    `own` is the damping matrix without the stops, 1/s, ``(n, n)``. `alike` differs by the loads at most: if its
+    The damping matrix without the stops, 1/s, ``(n, n)``, is `own`, and that of viscous damping where it couples the
+    modes, `drag`. `alike` differs by the loads at most: if its
     frequencies are those of `base`, its free motions are taken.
     """
     damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
     closed = [k for k in damped if k in state]
-    pressing, push = np.zeros_like(own), base.harmonic.astype(complex)
+    coupling, push = np.zeros_like(own) if drag is None else drag.copy(), base.harmonic.astype(complex)
     for k in closed:
         if k not in state.released:
             phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
-            pressing += stops[k].damping * np.outer(phi, phi)
+            coupling += stops[k].damping * np.outer(phi, phi)
             push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
-    D = own + pressing
+    D = own + coupling
     places, P = base.places.shape[0], len(stops)
     force_place, row_places = base.place_of.copy(), np.full(P + len(damped), -1)
     row_places[:P] = base.place_of
@@ -404,7 +430,7 @@ def coupled_system(
     return Coupled(
         **given,
         D=D,
-        free=alike.free if alike is not None and same else exponentials(base.omega, own, pressing),
+        free=alike.free if alike is not None and same else exponentials(base.omega, own, coupling),
         delay=np.array([*np.zeros(places), *(stops[k].damping / stops[k].stiffness for k in closed)]),
         force_place=force_place,
         push=push,

@@ -13,7 +13,7 @@ from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import Coordinates
 from lapjoint.answers import Contact, History
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.answers.dissipation import with_dissipation
+from lapjoint.answers.dissipation import with_dissipation, without_stored
 from lapjoint.problem import FloatArray
 
 
@@ -75,7 +75,7 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
     if all(model.system(state).plain for state in states if isinstance(model.system(state), Coupled)):
-        return made
+        return without_stored(made)
     return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
 
 

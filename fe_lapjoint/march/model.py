@@ -8,7 +8,7 @@ import numpy as np
 
 from fe_lapjoint.march.coupled import Coupled, coupled_system, searched_rows
 from fe_lapjoint.march.ramp_interval import Knots, RampTables, knots_of, ramp_tables
-from fe_lapjoint.march.system import IndexArray, System, build_system, under_other_loads
+from fe_lapjoint.march.system import IndexArray, System, build_system, drag_on, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
@@ -49,12 +49,27 @@ class Model:
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
         self.damped = tuple(k for k, stop in enumerate(stops) if stop.damping > 0)
         """The damped stops, each of which has a second gap function, of its force; see `fe_lapjoint.march.coupled`."""
+        self.drags = self.problem.structure.coupling_drag > 0
+        """Whether viscous damping couples the modes of all states."""
+        if self.drags and self.problem.forces.ramps is not None:
+            raise InputError(
+                'damping.kind = "viscous": with masses, or a mass per length that changes, the finite element solver '
+                "takes harmonic and constant forces, and not records or random motion"
+            )
+        if self.problem.forces.seen is not None:
+            k = next(k for k, stop in enumerate(stops) if stop.in_space)
+            base = self.problem.base_motion
+            raise InputError(
+                f'stops[{k}].fixed_to = "space": base_motion.kind is "{getattr(base, "kind", "")}"; the finite element '
+                'solver takes stops fixed in space with a "sine" or "harmonics", and the analytic solver takes records '
+                "and random motion, too"
+            )
         if self.damped:
             self._refuse_what_damped_stops_do_not_reach()
 
     def _refuse_what_damped_stops_do_not_reach(self) -> None:
-        k = self.damped[0]
-        text = f"stops[{k}].damping = {self.problem.structure.stops[k].damping:g}: the finite element solver takes damped stops "
+        k, stops = self.damped[0], self.problem.structure.stops
+        text = f"stops[{k}].damping = {stops[k].damping:g}: the finite element solver takes damped stops "
         if self.problem.forces.ramps is not None:
             raise InputError(text + "with harmonic and constant forces, and not with records or random motion")
         if self.method != "exact":
@@ -69,7 +84,7 @@ class Model:
         """One contact state in modal form."""
         system = self._systems.get(state)
         if system is None:
-            coupled = any(k in state for k in self.damped)
+            coupled = self.drags or any(k in state for k in self.damped)
             system = self._systems[state] = self._coupled(state) if coupled else self.undamped(state)
         return system
 
@@ -86,15 +101,16 @@ class Model:
         return system
 
     def _coupled(self, state: ContactState) -> Coupled:
-        """A contact state in which damped stops are closed."""
-        base, closed = self.undamped(state), ContactState(state.closed)
-        own = np.diag(2 * base.damping_rate)
+        """A contact state whose modes are coupled."""
+        base, closed = self.undamped(state), state.pressed
+        drag = drag_on(self.assembly, base.vectors)
+        own = np.diag(2 * base.damping_rate) if drag is None else np.zeros_like(drag)
         if state.released and isinstance(self.problem.damping, ModalDamping):
             S = self.transfer(closed, state)
             own = S @ np.diag(2 * self.undamped(closed).damping_rate) @ S.T
         alike = None if self._alike is None else self._alike.system(state)
         assert alike is None or isinstance(alike, Coupled)
-        return coupled_system(base, state, self.problem.structure.stops, own, alike)
+        return coupled_system(base, state, self.problem.structure.stops, own, drag, alike)
 
     def rows(self, state: ContactState) -> IndexArray | slice:
         """Which of the gap functions, of ``P`` stops and then of the forces of damped stops, may switch in a state."""

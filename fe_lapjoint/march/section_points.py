@@ -39,9 +39,8 @@ def understood(problem: Problem, point: SectionPoint) -> FloatArray:
         raise InputError("start: is no section point of a finite element solver")
     foreign = [k for k in point.state.closed if not 0 <= k < len(problem.structure.stops)]
     if foreign:
-        raise InputError(
-            f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to {len(problem.structure.stops)}"
-        )
+        most = len(problem.structure.stops)
+        raise InputError(f"start: has stop {foreign[0] + 1} closed; allowed are the stops of the problem, 1 to {most}")
     if not (np.isfinite(coordinates).all() and np.isfinite(nodes).all()):
         raise InputError("start: has coordinates that are not finite")
     if nodes.size < 2 or nodes[0] != 0.0 or np.any(np.diff(nodes) <= 0):

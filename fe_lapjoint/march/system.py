@@ -6,7 +6,8 @@ with the springs of the closed stops in K and their k gap in f0.  Stops fixed in
 each wave of y is a further harmonic load, by which closed ones push with -k y and which the gap functions of all of
 them see as y beside z.  The modes of one mesh span all of its degrees of
 freedom, so nothing is lost between states: q_new = Phi_new^T M Phi_old q_old exactly.  Under modal damping every
-mode of the state has its ratio; under viscous damping C = (C / m) M.
+mode of the state has its ratio; under viscous damping C = (C / m) M where all inertia is one mass per length m, and
+elsewhere the modes are coupled, see `fe_lapjoint.march.coupled`.
 """
 
 from __future__ import annotations
@@ -64,7 +65,8 @@ class System:
     vectors: FloatArray
     """Mass-normalised modes as columns over the free degrees of freedom, kg^-1/2, shape ``(n, n)``."""
     damping_rate: FloatArray
-    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
+    """Damping rate zeta omega of each mode, or half its entry on the diagonal of a damping matrix, 1/s, shape
+    ``(n,)``."""
     constant: FloatArray
     """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
     harmonic: FloatArray
@@ -337,15 +339,14 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
     problem = assembly.problem
     omega, vectors = eigenmodes(assembly, state)
     harmonic, driven, seen = _harmonic_loads(assembly, state, vectors, problem)
-    damping_rate = _damping_rates(assembly, omega)
+    damping_rate = _damping_rates(assembly, omega, vectors)
     omega = _away_from_resonance(omega, damping_rate, driven.tolist())
     f0 = np.zeros(omega.size)
     for k in state.closed:
         stop = problem.structure.stops[k]
         f0 += stop.sign * stop.stiffness * stop.gap * assembly.stop_rows[k]
     stops = assembly.stop_rows @ vectors
-    place_of = assembly.stop_places
-    first = np.unique(place_of, return_index=True)[1]
+    first, place_of = assembly.stop_places
     for step in problem.forces.constant:
         f0 += step.force * assembly.load(step.shape)
     return System(
@@ -368,11 +369,10 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
 def under_other_loads(alike: System, assembly: Assembly, problem: Problem) -> System:
     """A contact state of a problem whose harmonic loads differ from those of `alike` by size or frequency alone."""
     harmonic, driven, seen = _harmonic_loads(assembly, alike.state, alike.vectors, problem)
-    first = np.unique(alike.place_of, return_index=True)[1]
     omega = alike.omega
     if (alike.damping_rate < DETUNE * omega).any():
         omega = _away_from_resonance(eigenmodes(assembly, alike.state)[0], alike.damping_rate, driven.tolist())
-    return replace(alike, omega=omega, harmonic=harmonic, driven=driven, seen=seen[first])
+    return replace(alike, omega=omega, harmonic=harmonic, driven=driven, seen=seen[assembly.stop_places[0]])
 
 
 def _waves(problem: Problem) -> tuple[HarmonicForce | Wave, ...]:
@@ -389,11 +389,11 @@ def _harmonic_loads(
     stop's gap sees, m, ``(P, H)``.
     """
     loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.structure.stops
-    springs = np.array([stop.stiffness * stop.base_share * (k in state) for k, stop in enumerate(stops)], dtype=float)
+    springs = np.array([stop.stiffness * (k in state) for k, stop in enumerate(stops)]) * assembly.base_shares
     columns = [load.amplitude * assembly.load(load.shape) for load in loads]
     columns += [-wave.amplitude * (springs @ assembly.stop_rows) for wave in waves]
     forces = np.array(columns).reshape(len(columns), vectors.shape[0]).T
-    seen = np.outer([stop.base_share for stop in stops], [0.0] * len(loads) + [wave.amplitude for wave in waves])
+    seen = np.outer(assembly.base_shares, [0.0] * len(loads) + [wave.amplitude for wave in waves])
     return vectors.T @ forces, np.array([load.angular_frequency for load in _waves(problem)]), seen
 
 
@@ -417,10 +417,18 @@ def _modal_ramps(assembly: Assembly, vectors: FloatArray) -> ModalRamps | None:
     return ModalRamps(forces.ramps, vectors.T @ np.stack([assembly.load(it.shape) for it in forces.sampled], axis=1))
 
 
-def _damping_rates(assembly: Assembly, omega: FloatArray) -> FloatArray:
-    """Damping rate zeta omega of each mode, 1/s, shape ``(n,)``."""
-    damping = assembly.problem.damping
+def drag_on(assembly: Assembly, vectors: FloatArray) -> FloatArray | None:
+    """The damping matrix, 1/s, ``(n, n)``, of modes that viscous damping couples; None where it does not."""
+    C = assembly.problem.structure.coupling_drag
+    return C * (vectors.T @ assembly.drag @ vectors) if C > 0 else None
+
+
+def _damping_rates(assembly: Assembly, omega: FloatArray, vectors: FloatArray) -> FloatArray:
+    """See `System.damping_rate`."""
+    damping, drag = assembly.problem.damping, drag_on(assembly, vectors)
     if isinstance(damping, ModalDamping):
         return damping.ratios(omega.size) * omega
+    if drag is not None:
+        return np.asarray(np.diag(drag) / 2)
     coefficient = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
     return np.full(omega.size, coefficient / (2 * assembly.problem.line.m))

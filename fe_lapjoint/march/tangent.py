@@ -162,7 +162,7 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
     return Segment(
         start=piece.start,
         end=piece.end,
-        closed=_closed_rows(model, piece.state),
+        closed=closed_rows(model, piece.state),
         rates=np.concatenate([rates, 1j * system.driven]),
         weights=_with_forces(model, weights),
         amplitudes=np.concatenate([terms[:, -1], loads]),
@@ -173,7 +173,7 @@ def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
     )
 
 
-def _closed_rows(model: Model, state: ContactState) -> npt.NDArray[np.bool_]:
+def closed_rows(model: Model, state: ContactState) -> npt.NDArray[np.bool_]:
     """Whether each stop is closed, and then whether the force of each damped stop acts, shape ``(P + D,)``."""
     presses = acting(state)
     return np.array([*(k in state for k in range(model.sign.size)), *(k in presses for k in model.damped)], dtype=bool)
@@ -205,7 +205,7 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
     return Segment(
         start=piece.start,
         end=piece.end,
-        closed=_closed_rows(model, piece.state),
+        closed=closed_rows(model, piece.state),
         rates=rates,
         weights=weights,
         amplitudes=flow.amplitudes,

@@ -2,6 +2,9 @@
 
 Slopes are scaled by L, so that the matrices are well conditioned whatever the units.
 
+Several beams lie on one axis, see `lapjoint.problem.line`.  A space between two of them is an element without stiffness
+and mass.  Where an infinite link joins two displacements, or two slopes, these are one degree of freedom.
+
 scikit-fem (12.0.2) builds Hermite functions from monomials in the global x by inverting a Vandermonde matrix per
 element, which costs digits as elements shrink: against the textbook matrices, the mass matrix of a whole mesh is
 off by 2e-10 of its largest entry at 64 elements and by 2e-8 at 256.  Therefore the weak forms are integrated on one
@@ -21,8 +24,9 @@ from skfem.helpers import dd, ddot
 
 from fe_lapjoint.modes.mesh import SAME
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, NoDamping, Problem
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.structure import Structure, structure_of
 
 
 @BilinearForm
@@ -59,15 +63,16 @@ def two_points(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x.ravel(), np.repeat(h, 2) / 2
 
 
+_UNDAMPED = NoDamping()
 _HELD = 1e-9
-"""Supports that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
+"""Springs that resist a rigid-body motion of unit size by less than this do not resist it; see also `mesh.CLOSE`."""
 
 
 @dataclass(frozen=True)
 class Assembly:
-    """Matrices of the free beam on one mesh; degrees of freedom are (z, L z_x), m, node by node.
+    """Matrices of free beams on one mesh; degrees of freedom are (z, L z_x), m, node by node.
 
-    ``n`` of them are free: no infinite spring fixes them.
+    ``n`` of them are free: no infinite spring fixes them, and those that infinite links join count once.
     """
 
     problem: Problem
@@ -88,10 +93,16 @@ class Assembly:
             M[here, here] += inertia * h * m * np.outer(scale, scale)
         return K, M
 
+    @property
+    def element_lengths(self) -> FloatArray:
+        """Lengths of the elements without the spaces between beams, m, ``(elements,)``."""
+        return np.diff(self.nodes)[~self._empty]
+
     @cached_property
     def strain_points(self) -> tuple[FloatArray, FloatArray]:
-        """Two Gauss points an element, m, and sqrt(EI w) with their weights w, N^1/2 m^3/2, ``(2 e,)`` each."""
-        x, w = two_points(self.nodes[:-1], self.nodes[1:])
+        """Two Gauss points an element, m, and sqrt(EI w) with their weights w, N^1/2 m^3/2, ``(2 e,)`` each; spaces
+        between beams have none."""
+        x, w = two_points(self.nodes[:-1][~self._empty], self.nodes[1:][~self._empty])
         return x, np.sqrt(self.problem.line.EI_at(x) * w)
 
     @cached_property
@@ -105,12 +116,28 @@ class Assembly:
 
     @property
     def mass(self) -> FloatArray:
-        """Mass of the free degrees of freedom, kg, ``(n, n)``: consistent of the beam, and the masses on it."""
-        M, L = self._matrices[1][np.ix_(self.free, self.free)], self.problem.line.length
+        """Mass of the free degrees of freedom, kg, ``(n, n)``: consistent of the beams, and the masses on them."""
+        return self._of_free(self._mass_of_all)
+
+    @property
+    def _mass_of_all(self) -> FloatArray:
+        """Mass of all degrees of freedom, kg, ``(2 nodes, 2 nodes)``."""
+        M, L = self._matrices[1].copy(), self.problem.line.length
         for it in self.problem.structure.masses:
-            for row, size in ((self.reading(it.x), it.mass), (self.reading(it.x, 1), it.rotary_inertia / L**2)):
+            for derivative, size in enumerate((it.mass, it.rotary_inertia / L**2)):
+                row = self._shapes_of_all(np.array([self.place(it.x)]), derivative)[0] * L**derivative
                 M += size * np.outer(row, row)
-        return np.asarray(M)
+        return M
+
+    @cached_property
+    def drag(self) -> FloatArray:
+        """Integrals of products of shape functions along the beam, m, ``(n, n)``: a viscous force of 1 N s/m2."""
+        L, unit = self.problem.line.length, unit_element()[1]
+        drag = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
+        for e, h in enumerate(np.diff(self.nodes)):
+            here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
+            drag[here, here] += (not self._empty[e]) * h * unit * np.outer(scale, scale)
+        return np.asarray(drag[np.ix_(self.free, self.free)])
 
     def load(self, shape: LoadShape) -> FloatArray:
         """The load vector, ``(n,)``, of a load of size 1; read-only."""
@@ -135,16 +162,63 @@ class Assembly:
         return found
 
     @cached_property
+    def _groups(self) -> list[list[int]]:
+        """The degrees of freedom that infinite links join, each ascending; the first group is what supports fix."""
+        joint, root = self.problem.structure, list(range(-1, 2 * self.nodes.size))  # root[0] stands for what is fixed
+
+        def first(i: int) -> int:
+            while root[i + 1] != i:
+                i = root[i + 1]
+            return i
+
+        def join(stiffness: float, *members: int) -> None:
+            one, other = sorted(map(first, members))
+            root[other + 1] = one if math.isinf(stiffness) else root[other + 1]
+
+        for support in joint.supports:
+            node = 2 * self.node(support.x)
+            join(support.translational, -1, node)
+            join(support.torsional, -1, node + 1)
+        for link in joint.links:
+            one, other = 2 * self.node(link.first), 2 * self.node(link.second)
+            join(link.translational, one, other)
+            join(link.torsional, one + 1, other + 1)
+        found: dict[int, list[int]] = {-1: []}
+        for i in range(2 * self.nodes.size):
+            found.setdefault(first(i), []).append(i)
+        return list(found.values())
+
+    @cached_property
     def free(self) -> npt.NDArray[np.int64]:
-        """Indices of the degrees of freedom that no infinite spring fixes, shape ``(n,)``."""
-        fixed = set()
-        for support in self.problem.structure.supports:
-            node = self.node(support.x)
-            if math.isinf(support.translational):
-                fixed.add(2 * node)
-            if math.isinf(support.torsional):
-                fixed.add(2 * node + 1)
-        return np.array([i for i in range(2 * self.nodes.size) if i not in fixed], dtype=int)
+        """Indices of the degrees of freedom that no infinite spring fixes, the first of each group that infinite links
+        join, shape ``(n,)``."""
+        return np.array([group[0] for group in self._groups[1:]], dtype=int)
+
+    @cached_property
+    def _joined(self) -> list[tuple[int, int]]:
+        """Each degree of freedom that is joined to one in `free`, and the number of that one."""
+        return [(i, number) for number, group in enumerate(self._groups[1:]) for i in group[1:]]
+
+    def full(self, u: FloatArray) -> FloatArray:
+        """All degrees of freedom, ``(k, 2 nodes)``, from the free ones, ``(k, n)``; the fixed ones are 0."""
+        found = np.zeros((u.shape[0], 2 * self.nodes.size))
+        found[:, self.free] = u
+        for i, number in self._joined:
+            found[:, i] = u[:, number]
+        return found
+
+    def _rows_of_free(self, full: FloatArray) -> FloatArray:
+        """Rows, ``(k, n)``, that read from the free degrees of freedom what ``(k, 2 nodes)`` read from all."""
+        found = full[:, self.free]
+        for i, number in self._joined:
+            found[:, number] += full[:, i]
+        return found
+
+    def _of_free(self, matrix: FloatArray) -> FloatArray:
+        """A symmetric matrix of all degrees of freedom for the free ones, ``(n, n)``."""
+        if not self._joined:
+            return np.asarray(matrix[np.ix_(self.free, self.free)])
+        return self._rows_of_free(self._rows_of_free(matrix).T)
 
     def node(self, x: float) -> int:
         """Index of the node nearest to a position, m."""
@@ -165,12 +239,28 @@ class Assembly:
         return np.asarray(row * self.problem.line.length**derivative)
 
     @cached_property
-    def stop_places(self) -> npt.NDArray[np.int64]:
-        """For each stop the number of what its gap sees, from 0, shape ``(P,)``: stops that see the same share it."""
+    def without_stops(self) -> tuple[Structure, tuple[float, ...]]:
+        """The beams with supports, links and masses, without stops and damping, and the nodes, m: what modes depend
+        on."""
+        it = self.problem.structure
+        return structure_of(it.line, it.supports, (), _UNDAMPED, it.masses, it.links), tuple(self.nodes.tolist())
+
+    @cached_property
+    def base_shares(self) -> FloatArray:
+        """How much of the base's motion each stop's gap sees, shape ``(P,)``."""
+        return np.array([stop.base_share for stop in self.problem.structure.stops])
+
+    @cached_property
+    def stop_places(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+        """The first stop of each place, shape ``(p,)``, and the place of each stop, shape ``(P,)``.
+
+        The gaps of all stops of one place see the same.
+        """
         stops = self.problem.structure.stops
         seen = [(*((self.place(x), a) for x, a in stop.reading), (stop.base_share, 0.0)) for stop in stops]
         places = sorted(set(seen))
-        return np.array([places.index(one) for one in seen], dtype=np.int64)
+        place_of = np.array([places.index(one) for one in seen], dtype=np.intp)
+        return np.unique(place_of, return_index=True)[1], place_of
 
     @cached_property
     def stop_rows(self) -> FloatArray:
@@ -182,9 +272,10 @@ class Assembly:
         return np.array(rows).reshape(len(rows), self.free.size)
 
     def springs(self, state: ContactState) -> tuple[FloatArray, FloatArray]:
-        """Finite supports and closed stops as rows, ``(s, n)``, that read z or L z_x, and stiffnesses, N/m, ``(s,)``.
+        """Finite supports and links, and closed stops, as rows, ``(s, n)``, and their stiffnesses, N/m, ``(s,)``.
 
-        Their energy is half of ``k @ (rows @ u)**2``.  The stiffness of a torsional spring is divided by L^2.
+        A row reads z or L z_x, or of two beams the difference.  The energy of the springs is half of ``k @ (rows @
+        u)**2``.  The stiffness of a torsional spring is divided by L^2.
         """
         L, found = self.problem.line.length, []
         for support in self.problem.structure.supports:
@@ -192,6 +283,11 @@ class Assembly:
                 found.append((self.reading(support.x), support.translational))
             if 0 < support.torsional < math.inf:
                 found.append((self.reading(support.x, 1), support.torsional / L**2))
+        for link in self.problem.structure.links:
+            for derivative, k in enumerate((link.translational, link.torsional)):
+                if 0 < k < math.inf:
+                    row = self.reading(link.second, derivative) - self.reading(link.first, derivative)
+                    found.append((row, k / L ** (2 * derivative)))
         found += [(self.stop_rows[k], self.problem.structure.stops[k].stiffness) for k in state.closed]
         rows = np.array([row for row, _ in found]).reshape(len(found), self.free.size)
         return rows, np.array([k for _, k in found], dtype=float)
@@ -199,46 +295,86 @@ class Assembly:
     def stiffness(self, state: ContactState) -> FloatArray:
         """Stiffness with the finite supports and the closed stops as springs, N/m, shape ``(n, n)``."""
         rows, k = self.springs(state)
-        return np.asarray(self._matrices[0][np.ix_(self.free, self.free)] + rows.T @ (k[:, None] * rows))
+        return np.asarray(self._of_free(self._matrices[0]) + rows.T @ (k[:, None] * rows))
 
     @cached_property
     def rigid_motions(self) -> FloatArray:
-        """Rigid-body motions that the fixed supports allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2)``.
+        """Rigid-body motions that infinite springs allow, mass-normalised, kg^-1/2, shape ``(n, 0 to 2 a beam)``.
 
-        Two of them are translation, and rotation about the centre of mass: orthogonal however heavy a mass is.
+        Those of each beam are translation, and rotation about its centre of mass: orthogonal however heavy a mass is.
         """
-        full = self._translation_and_rotation(0.5)
-        fixed = np.delete(full, self.free, axis=0)
-        _, size, directions = np.linalg.svd(np.vstack([fixed, np.zeros((2, 2))]))
-        motions = full[self.free] @ directions[size <= _HELD].T
-        if motions.shape[1] == 2:
-            total, moment = full.T @ (self.mass @ full[:, 0])
-            motions = self._translation_and_rotation(0.5 + moment / total)
+        count = self._left_by([row for row, k in self._springs_on_bodies if math.isinf(k)])
+        if not count:
+            return np.zeros((self.free.size, 0))
+        full, (fixed, *groups) = self._normalised_bodies, self._groups
+        rows = np.vstack([full[:0], full[fixed], *(full[group[1:]] - full[group[:1]] for group in groups)])
+        size = np.linalg.norm(rows, axis=1, keepdims=True)
+        directions = np.linalg.svd(rows / np.where(size > 0, size, 1.0))[2]
+        motions = full[self.free] @ directions[-count:].T
         return np.asarray(motions / np.sqrt(np.sum(motions * (self.mass @ motions), axis=0)))
 
-    def _translation_and_rotation(self, centre: float) -> FloatArray:
-        """Translation, and rotation about a centre in beam lengths, of all degrees of freedom, ``(2 nodes, 2)``."""
-        full = np.zeros((2 * self.nodes.size, 2))
-        full[::2, 0] = 1.0
-        full[::2, 1] = self.nodes / self.problem.line.length - centre
-        full[1::2, 1] = 1.0
-        return full
-
     def rigid_modes(self, state: ContactState) -> int:
-        """Number of rigid-body modes, 0 to 2, that supports and closed stops leave."""
-        L, supports = self.problem.line.length, self.problem.structure.supports
-        rows = [(1.0, s.x / L) for s in supports if s.translational > 0]
-        rows += [(0.0, 1.0) for s in supports if s.torsional > 0]
-        rows += [(1.0, self.problem.structure.stops[k].x / L) for k in state.closed]
-        return 2 - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else 2
+        """Number of rigid-body modes, 0 to 2 a beam, that supports, links and closed stops leave."""
+        stops = (self.problem.structure.stops[k].reading for k in state.closed)
+        return self._left_by([row for row, _ in self._springs_on_bodies] + [self._on_bodies(it) for it in stops])
+
+    def _left_by(self, rows: list[FloatArray]) -> int:
+        """Number of rigid-body motions that springs leave, which read them by rows ``(2 beams,)``."""
+        every = 2 * len(self.problem.line.beams)
+        return every - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else every
+
+    @cached_property
+    def _springs_on_bodies(self) -> list[tuple[FloatArray, float]]:
+        """Row, ``(2 beams,)``, and stiffness of each spring of supports and links; see `_on_bodies`."""
+        joint = self.problem.structure
+        held: list[tuple[tuple[tuple[float, float], ...], float, float]] = [
+            (((it.x, 1.0),), it.translational, it.torsional) for it in joint.supports
+        ]
+        held += [(((it.second, 1.0), (it.first, -1.0)), it.translational, it.torsional) for it in joint.links]
+        return [
+            (self._on_bodies(reading, derivative), k)
+            for reading, *springs in held
+            for derivative, k in enumerate(springs)
+            if k > 0
+        ]
+
+    def _on_bodies(self, reading: tuple[tuple[float, float], ...], derivative: int = 0) -> FloatArray:
+        """What a sum of displacements, or of slopes times lengths, reads of the motions of each beam: a translation by
+        1, and a rotation about its start by 1 over its length; shape ``(2 beams,)``."""
+        line, found = self.problem.line, np.zeros(2 * len(self.problem.line.beams))
+        for x, factor in reading:
+            i = line.beam_at(x)
+            own = (0.0, 1.0) if derivative else (1.0, (x - line.starts[i]) / line.beams[i].length)
+            found[2 * i : 2 * i + 2] += factor * np.array(own)
+        return found
+
+    @cached_property
+    def _normalised_bodies(self) -> FloatArray:
+        """Translation of each beam, and rotation about its centre of mass, mass-normalised, of all degrees of freedom,
+        ``(2 nodes, 2 beams)``."""
+        line, found = self.problem.line, np.zeros((2 * self.nodes.size, 2 * len(self.problem.line.beams)))
+        for i, (start, end) in enumerate(zip(line.starts, line.ends, strict=True)):
+            first, last = self.node(start), self.node(end) + 1
+            own, M = slice(2 * first, 2 * last), self._mass_of_all[2 * first : 2 * last, 2 * first : 2 * last]
+            full = np.tile([[1.0, 0.0], [0.0, 1.0]], (last - first, 1))
+            full[::2, 1] = (self.nodes[first:last] - (start + end) / 2) / line.length
+            total, moment = full.T @ (M @ full[:, 0])
+            full[::2, 1] -= moment / total
+            found[own, 2 * i : 2 * i + 2] = full / np.sqrt(np.sum(full * (M @ full), axis=0))
+        return found
 
     def shapes(self, x: FloatArray, derivative: int) -> FloatArray:
         """Rows ``(k, n)``, 1/m^derivative, that give z or an x-derivative (0 to 3) at positions ``(k,)``, m.
 
         Within an element the second derivative is linear and the third constant.  At a node both are those of the
-        element to the left.
+        element to the left on the beam.  On a space between beams all are 0.
         """
+        return self._rows_of_free(self._shapes_of_all(x, derivative))
+
+    def _shapes_of_all(self, x: FloatArray, derivative: int) -> FloatArray:
+        """The rows of `shapes` for all degrees of freedom, ``(k, 2 nodes)``."""
         e = np.clip(np.searchsorted(self.nodes, x, side="left") - 1, 0, self.nodes.size - 2)
+        e = np.where(self._empty[e] & (x == self.nodes[e + 1]), e + 1, e)
         h = np.diff(self.nodes)[e]
         s = (x - self.nodes[e]) / h
         L = self.problem.line.length
@@ -247,10 +383,22 @@ class Assembly:
         full = np.zeros((x.size, 2 * self.nodes.size))
         for j in range(4):
             full[np.arange(x.size), 2 * e + j] = values[j]
-        return np.asarray(full[:, self.free])
+        full[self._empty[e]] = 0.0
+        return full
+
+    @cached_property
+    def _empty(self) -> npt.NDArray[np.bool_]:
+        """Whether each element is a space between beams, ``(nodes - 1,)``."""
+        return np.asarray(self.problem.line.EI_at((self.nodes[:-1] + self.nodes[1:]) / 2) == 0)
 
 
 def _hermite(s: FloatArray, derivative: int) -> FloatArray:
     """Derivatives of the four cubic Hermite polynomials on [0, 1], shape ``(4, k)``."""
-    cubics = ([1, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1])
-    return np.array([np.polynomial.Polynomial(c).deriv(derivative)(s) + 0 * s for c in cubics])
+    return np.asarray(np.polynomial.polynomial.polyval(s, _cubics(derivative)))
+
+
+@cache
+def _cubics(derivative: int) -> FloatArray:
+    """Coefficients of 1, s, ... of derivatives of the four cubic Hermite polynomials, shape ``(4 - derivative, 4)``."""
+    cubics = np.array([[1.0, 0, -3, 2], [0, 1, -2, 1], [0, 0, 3, -2], [0, 0, -1, 1]])
+    return np.asarray(np.polynomial.polynomial.polyder(cubics.T, derivative))

@@ -12,13 +12,14 @@ from scipy.linalg import LinAlgError, cholesky, eigh, solve_triangular
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
-from lapjoint.problem import FloatArray, NoDamping, PlacedStop
+from lapjoint.problem import FloatArray, Line, PlacedStop
 from lapjoint.problem.problem import resting
-from lapjoint.problem.structure import Structure, structure_of
+from lapjoint.problem.structure import Structure
 
 _SOFT = 0.1
 """Largest stiffness against a rigid-body motion that springs hold softly, for a displacement of 1 in root mean square
-along the beam, in units of EI / L^3 with the mean EI."""
+along the beams, in units of EI / L^3 with the mean EI, and largest omega^2 of it, in units of EI / m L^4; of several
+beams the least unit counts."""
 _APART, _MIXED = 1e-6, 1e-3
 """Least relative distance of two omega^2, and largest part of one mode in another, at which first order is enough."""
 _ROUNDS = 4
@@ -32,29 +33,21 @@ def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, Flo
     the mesh alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states
     whose closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
     """
-    return _eigenmodes(*_mesh(assembly), _springs(assembly, state))
+    return _eigenmodes(*assembly.without_stops, _springs(assembly, state))
 
 
 def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
     """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; cached like the modes."""
-    return _weighted(*_mesh(assembly), _springs(assembly, state))
+    return _weighted(*assembly.without_stops, _springs(assembly, state))
 
 
 def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
     """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; cached like the modes."""
-    return _transfer(*_mesh(assembly), _springs(assembly, old), _springs(assembly, new))
+    return _transfer(*assembly.without_stops, _springs(assembly, old), _springs(assembly, new))
 
 
 Springs = tuple[tuple[tuple[tuple[float, float], ...], float], ...]
 """Closed stops: what the gap of each sees, see `PlacedStop.reading`, and the stiffness, N/m; ascending."""
-Mesh = tuple[Structure, tuple[float, ...]]
-"""A beam with its supports and masses, without stops and damping; and the nodes, m."""
-
-
-def _mesh(assembly: Assembly) -> Mesh:
-    it = assembly.problem.structure
-    joint = structure_of(it.line, it.supports, (), NoDamping(), it.masses, it.links)
-    return joint, tuple(assembly.nodes.tolist())
 
 
 def _assembled(joint: Structure, nodes: tuple[float, ...], springs: Springs = ()) -> Assembly:
@@ -137,14 +130,20 @@ def _rayleigh(assembly: Assembly, rows: FloatArray, k: FloatArray, vectors: Floa
 
 def _softly_held(assembly: Assembly, rows: FloatArray, k: FloatArray) -> FloatArray:
     """Rigid-body motions that springs hold softly or not at all, mass-normalised as columns, ``(n, 0 to 2)``."""
-    beam, rigid = assembly.problem.line, assembly.rigid_motions
+    line, rigid = assembly.problem.line, assembly.rigid_motions
     count = rigid.shape[1]
     held = np.vstack([np.sqrt(k)[:, None] * (rows @ rigid), np.zeros((count, count))])
     _, size, directions = np.linalg.svd(held)
     motions = rigid @ directions.T
-    root, tip = assembly.shapes(np.array([0.0, beam.length]), 0) @ motions
-    square = (root**2 + root * tip + tip**2) / 3  # mean along the beam
-    return np.asarray(motions[:, size**2 < _SOFT * beam.EI / beam.length**3 * square])
+    starts, ends = (assembly.shapes(np.array(x), 0) @ motions for x in (line.starts, line.ends))
+    square = np.sum(starts**2 + starts * ends + ends**2, axis=0) / 3  # mean along each beam
+    unit = min(beam.EI / beam.length**3 for beam in line.beams)
+    return np.asarray(motions[:, (size**2 < _SOFT * unit * square) & (size**2 < _SOFT * _slowest_bending(line))])
+
+
+def _slowest_bending(line: Line) -> float:
+    """EI / m L^4 of the beam that bends most slowly, 1/s2."""
+    return min(beam.EI / (beam.m * beam.length**4) for beam in line.beams)
 
 
 def _without(motions: FloatArray, modes: FloatArray, M: FloatArray) -> FloatArray:
@@ -188,8 +187,7 @@ def _joined(assembly: Assembly, M: FloatArray, K: FloatArray) -> FloatArray:
     A mode far slower than the beam's bending would take the digits of the next modes in the inverted problem, so the
     problem is shifted then: a soft spring or a heavy mass makes such modes.
     """
-    beam = assembly.problem.line
-    unit = beam.EI / (beam.m * beam.length**4)  # 1/s^2
+    unit = _slowest_bending(assembly.problem.line)
     square, direct = eigh(K, M)
     sigma = unit if square[0] < unit else 0.0
     c = 1 / np.sqrt(np.diag(K + sigma * M))
@@ -212,9 +210,9 @@ def _orthonormal(V: FloatArray, M: FloatArray) -> FloatArray:
 
 def _singular(assembly: Assembly) -> SolverError:
     """What is wrong with a mesh whose stiffness is singular to rounding, and what to change."""
-    h, EI = np.diff(assembly.nodes), [piece.EI for piece in assembly.problem.line.pieces]
+    h, EI = assembly.element_lengths, [piece.EI for piece in assembly.problem.line.pieces]
     return SolverError(
         f"the stiffness of the mesh is singular to rounding: its elements are {h.min():.3g} to {h.max():.3g} m long, "
-        f"and EI changes by a factor of {max(EI) / min(EI):.3g} along the beam; take fewer elements, or nodes farther "
+        f"and EI changes by a factor of {max(EI) / min(EI):.3g}; take fewer elements, or nodes farther "
         "apart"
     )

@@ -1,7 +1,8 @@
 """The mesh: a node at every support, stop, mass, step and load, and elements between.
 
 Elements are of nearly equal length along a uniform beam.  A beam with steps bends in shorter waves where it is softer
-or heavier: its elements are shorter there, in proportion to the wave length (EI / m)^(1/4).
+or heavier: its elements are shorter there, in proportion to the wave length (EI / m)^(1/4).  Of several beams each
+has the mesh that it has alone, and the space between two of them is one element, without stiffness and mass.
 
 An element of length d has modes near 92 sqrt(EI / m) / d^2: a very short one would cost the low modes their digits, and
 the march its speed.  Therefore positions that differ by rounding alone count as one, and a spring, stop or load nearer
@@ -27,9 +28,10 @@ from lapjoint.problem import FloatArray, Line, Problem
 from lapjoint.problem.placing import masses_of, supports_of, uniform_load_shape
 
 SAME = 1e-12
-"""Positions nearer than this, in beam lengths, are one: a few thousand rounding errors, more than a sum accumulates."""
+"""Positions nearer than this, in lengths of the line of beams, are one: a few thousand rounding errors, more than a sum
+accumulates."""
 CLOSE = 1e-4
-"""Shortest element, in beam lengths.
+"""Shortest element, in lengths of its beam.
 
 Its modes are 6e4 times as fast as those of an element of the default mesh.  The frequencies of the beam still have nine
 digits then; at 1e-5 they had six.
@@ -38,47 +40,62 @@ _LOCKED = 1e-6
 """Largest relative error of frequencies by a spring inside an element; the third mode of 40 elements has as much."""
 
 SHORT = 1e-3
-"""A stretch between two required nodes up to this length, in beam lengths, is not refined: its error, of fourth order,
-is negligible."""
+"""A stretch between two required nodes up to this length, in lengths of its beam, is not refined: its error, of fourth
+order, is negligible."""
 
 
 def mesh_nodes(problem: Problem, elements: int, given: tuple[float, ...] | None) -> FloatArray:
-    """Node positions of a mesh, m, ascending from 0 to L, about `elements` elements over the whole beam.
+    """Node positions of a mesh, m, ascending from 0 to L, about `elements` elements over each whole beam.
 
-    Supports, stops, masses, steps and loads each get a node, unless there is one nearer than `CLOSE`.
-    Between two of these nodes there is at least one element.  If nodes are given, the required ones are added to them.
+    Supports, stops, links, masses, steps and loads each get a node, unless there is one nearer than `CLOSE`.
+    Between two of these nodes there is at least one element.  If nodes are given, the required ones are added to them;
+    on a space between beams there are none.
     An InputError is raised if a given node lies outside the beam, or if two of them are nearer than `CLOSE`.  It is
-    also raised if a fixed support, a stiff spring, a mass or a step is nearer than `CLOSE` to another part or to an
-    end, without being at the same position.
+    also raised if a fixed support, a rigid link, a stiff spring, a mass or a step is nearer than `CLOSE` to another
+    part or to an end, without being at the same position.
     """
-    L = problem.line.length
+    line = problem.line
     required = _required(problem)
     if given is not None:
-        return _with_given(required, given, L)
-    waves = _waves(problem.line, (required[:-1] + required[1:]) / 2)
+        return _with_given(line, required, given)
+    waves = _waves(line, (required[:-1] + required[1:]) / 2)
     pieces = []
     for (a, b), wave in zip(itertools.pairwise(required), waves.tolist(), strict=True):
-        count = min(round(elements * (b - a) / L * wave), math.floor((b - a) / (CLOSE * L)))
+        L = _length_at(line, a, b)
+        count = min(round(elements * (b - a) / L * wave), math.floor((b - a) / (CLOSE * L))) if L else 1
         pieces.append(np.linspace(a, b, max(1, count) + 1)[:-1])
     return np.concatenate([*pieces, required[-1:]])
 
 
-def _waves(beam: Line, x: FloatArray) -> FloatArray:
-    """Waves per length at positions, m, ``(k,)``, divided by their mean along the beam; 1 without steps."""
-    steps = _steps(beam)
-    edges = np.array([0.0, *(step for step, _ in steps), beam.length])
-    middle = (edges[:-1] + edges[1:]) / 2
-    density, own = ((beam.inertia_at(at) / beam.EI_at(at)) ** 0.25 for at in (x, middle))
-    return np.asarray(density / (np.diff(edges) @ own) * beam.length if steps else np.ones(x.size))
+def _length_at(line: Line, a: float, b: float) -> float:
+    """The length, m, of the beam between two neighbouring nodes; 0 on a space between beams."""
+    i = line.beam_at((a + b) / 2)
+    return line.beams[i].length if line.starts[i] <= a and b <= line.ends[i] else 0.0
 
 
-def _steps(beam: Line) -> list[tuple[float, str]]:
-    """Positions, m, where stiffness or inertia changes, and the fields that state them."""
-    return [
-        (one.end, f"beam.segments[{i}].to")
-        for i, (one, other) in enumerate(itertools.pairwise(beam.pieces))
-        if (one.EI, one.inertia) != (other.EI, other.inertia)
-    ]
+def _waves(line: Line, x: FloatArray) -> FloatArray:
+    """Waves per length at positions, m, ``(k,)``, divided by their mean along the beam there; 1 without steps."""
+    found = np.ones(x.size)
+    for i, (start, end) in enumerate(zip(line.starts, line.ends, strict=True)):
+        steps = [step for step, _ in _steps(line) if start < step < end]
+        here = (x > start) & (x < end)
+        edges = np.array([start, *steps, end])
+        middle = (edges[:-1] + edges[1:]) / 2
+        density, own = ((line.inertia_at(at) / line.EI_at(at)) ** 0.25 for at in (x[here], middle))
+        if steps:
+            found[here] = density / (np.diff(edges) @ own) * line.beams[i].length
+    return found
+
+
+def _steps(line: Line) -> list[tuple[float, str]]:
+    """Positions, m, where stiffness or inertia changes along a beam, and the fields that state them."""
+    found = []
+    for j, (start, beam) in enumerate(zip(line.starts, line.beams, strict=True)):
+        path = f"beams[{j}]" if line.several else "beam"
+        for i, (one, other) in enumerate(itertools.pairwise(beam.pieces)):
+            if (one.EI, one.inertia) != (other.EI, other.inertia):
+                found.append((start + one.end, f"{path}.segments[{i}].to"))
+    return found
 
 
 class _Place(NamedTuple):
@@ -102,7 +119,7 @@ def _places(problem: Problem) -> Iterator[_Place]:
         yield _Place(support.x, f"{path}.x", support.translational, support.torsional)
     for i, stop in enumerate(problem.structure.stops):
         for x, _ in stop.reading:
-            yield _Place(x, f"stops[{i}].x", stop.stiffness)
+            yield _Place(x, f"stops[{i}].{'between' if stop.side == 'between' else 'x'}", stop.stiffness)
     for i, link in enumerate(problem.structure.links):
         for x in (link.first, link.second):
             yield _Place(x, f"links[{i}].between", link.translational, link.torsional)
@@ -118,34 +135,44 @@ def _places(problem: Problem) -> Iterator[_Place]:
 
 def _required(problem: Problem) -> FloatArray:
     """Ends and places of parts, each position once, none nearer to another than `CLOSE`; ascending, m."""
-    beam = problem.line
-    L = beam.length
-    chosen = {0.0: "the end of the beam", L: "the end of the beam"}
+    line = problem.line
+    chosen = dict.fromkeys((*line.starts, *line.ends), "the end of the beam")
     for x, name, k, kt in sorted(_places(problem), key=lambda it: (not math.isinf(it.k + it.kt), it.x, it.name)):
-        near = min(chosen, key=lambda node: abs(node - x))
-        d = abs(near - x)
+        near, i = min(chosen, key=lambda node: abs(node - x)), line.beam_at(x)
+        d, L = abs(near - x), line.beams[i].length
         if d >= CLOSE * L:
             chosen[x] = name.rpartition(".")[0]
-        elif d > SAME * L and kt * d / 2 + k * d**3 / 6 > _LOCKED * float(beam.EI_at(np.array([near, x])).min()):
+        elif d > SAME * line.length and _locked(k, kt, d) > _LOCKED * float(line.EI_at(np.array([near, x])).min()):
+            here, there = (line.place(it, 12) if line.several else repr(it) for it in (x, near))
             raise InputError(
-                f"{name} = {x!r}: lies {d:.3g} m from {chosen[near]} at {near!r} m, too near for finite elements; "
+                f"{name} = {here}: lies {d:.3g} m from {chosen[near]} at {there} m, too near for finite elements; "
                 f"allowed are the same place, or at least {CLOSE * L:g} m"
             )
     return np.array(sorted(chosen))
 
 
-def _with_given(required: FloatArray, given: tuple[float, ...], L: float) -> FloatArray:
+def _locked(k: float, kt: float, d: float) -> float:
+    """The relative error of frequencies times EI, N m2, by springs, N/m and N m, that act at a distance d, m, from a
+    node."""
+    return kt * d / 2 + k * d**3 / 6
+
+
+def _with_given(line: Line, required: FloatArray, given: tuple[float, ...]) -> FloatArray:
     """The user's nodes together with the required ones; of two nearer than `CLOSE` the required one stays."""
+    L = line.length
     outside = [x for x in given if not -SAME * L <= x <= (1 + SAME) * L]
     if outside:
         raise InputError(f"nodes: {outside[0]!r} lies outside the beam, 0 to {L:g} m")
     own = np.unique(np.array(given, dtype=float))
+    for start, end in line.spaces:
+        own = own[(own <= start) | (own >= end)]
     own = own[np.diff(own, prepend=-math.inf) > SAME * L]
-    narrow = np.flatnonzero(np.diff(own) < CLOSE * L)
+    close = np.array([CLOSE * line.beams[line.beam_at(x)].length for x in own.tolist()])
+    narrow = np.flatnonzero(np.diff(own) < close[1:])
     if narrow.size:
-        a, b = float(own[narrow[0]]), float(own[narrow[0] + 1])
-        raise InputError(f"nodes: {a!r} and {b!r} m are too near; allowed are nodes at least {CLOSE * L:g} m apart")
-    far = np.abs(own[:, None] - required).min(axis=1) >= CLOSE * L
+        a, b, least = float(own[narrow[0]]), float(own[narrow[0] + 1]), float(close[narrow[0] + 1])
+        raise InputError(f"nodes: {a!r} and {b!r} m are too near; allowed are nodes at least {least:g} m apart")
+    far = np.abs(own[:, None] - required).min(axis=1) >= close
     return np.union1d(required, own[far])
 
 
@@ -159,13 +186,16 @@ def split_elements(nodes: tuple[float, ...], parts: int) -> tuple[float, ...]:
 def refined_nodes(problem: Problem, nodes: FloatArray, ratio: float) -> FloatArray:
     """Nodes of a finer mesh with the grading of `nodes`, m, ascending.
 
-    Supports, stops, masses, steps and loads cut the beam into stretches, whose ends stay.  Each stretch has at least
-    `ratio` times as many elements as before, unless it is shorter than `SHORT`.
+    Supports, stops, links, masses, steps, loads and the ends of beams cut the line into stretches, whose ends stay.
+    Each stretch has at least `ratio` times as many elements as before, unless it is shorter than `SHORT`, or a space
+    between beams.
     """
-    at = {int(np.abs(nodes - place.x).argmin()) for place in _places(problem)}
-    pieces = []
-    for a, b in itertools.pairwise(sorted({0, *at, nodes.size - 1})):
-        short = nodes[b] - nodes[a] < SHORT * nodes[-1]
-        count = b - a if short else math.ceil((b - a) * ratio - 1e-9)
+    line = problem.line
+    ends = [*line.starts, *line.ends, *(place.x for place in _places(problem))]
+    at, pieces = {int(np.abs(nodes - x).argmin()) for x in ends}, []
+    for a, b in itertools.pairwise(sorted(at)):
+        short = nodes[b] - nodes[a] < SHORT * _length_at(line, nodes[a], nodes[b])
+        kept = short or not _length_at(line, nodes[a], nodes[b])
+        count = b - a if kept else math.ceil((b - a) * ratio - 1e-9)
         pieces.append(np.interp(np.linspace(a, b, count + 1), np.arange(a, b + 1), nodes[a : b + 1])[:-1])
     return np.concatenate([*pieces, nodes[-1:]])

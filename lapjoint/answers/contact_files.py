@@ -29,6 +29,7 @@ CONTACT_COLUMNS = (
     "impulse_error_Ns",
     "peak_force_error_N",
     "dissipated_J",
+    "dissipated_error_J",
 )
 
 
@@ -84,6 +85,7 @@ def contact_rows(history: History) -> list[dict[str, Any]]:
             "impulse_error_Ns": c.impulse_error,
             "peak_force_error_N": c.peak_force_error,
             "dissipated_J": float(c.dissipated),
+            "dissipated_error_J": c.dissipated_error,
         }
         for c in history.contacts
     ]

@@ -31,6 +31,11 @@ class ContactState:
     def __contains__(self, stop: int) -> bool:
         return stop in self.closed
 
+    @property
+    def pressed(self) -> ContactState:
+        """The state with the same closed stops, none of which is released."""
+        return ContactState(self.closed) if self.released else self
+
     def toggled(self, stop: int) -> ContactState:
         """The state after a stop has opened or closed, or after its force has ended or begun.
 
@@ -49,8 +54,23 @@ class ContactState:
             return ContactState(self.closed, tuple(set(self.released) ^ {~stop}))
         return ContactState(tuple(set(self.closed) ^ {stop}), self.released)
 
+    def mirrored(self, twins: Sequence[int]) -> ContactState:
+        """The state with every stop exchanged for its twin.
+
+        Parameters
+        ----------
+        twins : sequence of int
+            For each stop the index of its twin on the other side.
+
+        Returns
+        -------
+        ContactState
+            The mirror image.
+        """
+        return ContactState(tuple(twins[k] for k in self.closed), tuple(twins[k] for k in self.released))
+
     def name(self, problem: Problem) -> str:
-        """The names of the closed stops, or ``free``.
+        """The names of the closed stops, and which of them are released, or ``free``.
 
         Parameters
         ----------
@@ -60,9 +80,15 @@ class ContactState:
         Returns
         -------
         str
-            As ``P2 + P3``.
+            As ``P2 + P3 (released)``.
         """
-        return " + ".join(problem.stop_names[i] for i in self.closed) or "free"
+        names = (problem.stop_names[i] + " (released)" * (i in self.released) for i in self.closed)
+        return " + ".join(names) or "free"
+
+
+def stop_of(switch: int) -> int:
+    """The stop of a switch k, or ~k of its force; see `ContactState.toggled`."""
+    return switch if switch >= 0 else ~switch
 
 
 FREE = ContactState()
@@ -192,6 +218,10 @@ def state_label(problem: Problem, state: ContactState) -> str:
     return number + state.name(problem)
 
 
-def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...]]:
-    """A key to sort states: the paper's number, or else the number of closed stops; then the indices of these stops."""
-    return paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed), state.closed
+def state_order(problem: Problem, state: ContactState) -> tuple[int, tuple[int, ...], tuple[int, ...]]:
+    """A key to sort states: the paper's number or the number of closed stops, the closed stops, the released stops."""
+    return (
+        paper_state_number(problem, state) if is_paper_joint(problem) else len(state.closed),
+        state.closed,
+        state.released,
+    )

@@ -6,18 +6,35 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
-from lapjoint.answers.history import Contact, History
+from lapjoint.answers.history import History
 from lapjoint.problem import FloatArray
 
+OF_ENERGY = 1
+"""Order of the time derivative as which an energy lost in a damped stop converges: that of the velocity in the damper's
+force."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _TURN = 1.5
 """Turn of the fastest mode in one panel, rad: the integrand turns twice as far, and eight nodes give twelve digits."""
 _GROWTH = 1.5
 """Growth of panels after a switch, from the time of the fastest decay up to that of `_TURN`, when it is over."""
 _AT_ONCE = 65536  # times evaluated at once, 0.5 MB for each stop
+
+
+class Span(NamedTuple):
+    """A contact, or a part of one."""
+
+    start: float
+    """First time, s."""
+    end: float
+    """Last time, s."""
+    cut_start: bool
+    """Whether the contact goes on before the first time."""
+    cut_end: bool
+    """Whether the contact goes on after the last time."""
 
 
 def with_dissipation(history: History, fastest: float) -> History:
@@ -29,7 +46,8 @@ def with_dissipation(history: History, fastest: float) -> History:
     for stop, it in enumerate(history.problem.structure.stops):
         which = [i for i, contact in enumerate(contacts) if contact.stop == stop]
         if it.damping > 0 and which:
-            for i, lost in zip(which, _lost(history, stop, [contacts[i] for i in which], fastest), strict=True):
+            spans = [Span(it.start, it.end, it.open_start, it.open_end) for it in (contacts[i] for i in which)]
+            for i, lost in zip(which, energies_lost(history, stop, spans, fastest), strict=True):
                 contacts[i] = replace(contacts[i], dissipated=lost)
     return replace(history, contacts=tuple(contacts))
 
@@ -44,18 +62,24 @@ def _panels(a: float, b: float, turning: float, fastest: float) -> FloatArray:
     return np.concatenate([edges[:-1], np.linspace(edges[-1], b, max(1, math.ceil((b - edges[-1]) / longest)) + 1)])
 
 
-def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: float) -> list[float]:
-    """The integral of F d' over each contact of one stop, J."""
+def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: float | None = None) -> list[float]:
+    """The energy lost in each contact of one stop, or in a part of it, J.
+
+    This is the integral of F d', less what the spring stores at a cut end, with what it stores at a cut start.
+    `fastest` is as in `with_dissipation`, by default the rate of the fastest mode.
+    """
     it, turning = (
         history.problem.structure.stops[stop],
         max(history.highest_mode or 0.0, history.problem.forces.fastest),
     )
-    times, weights, sizes = [], [], []
-    for contact in contacts:
-        inside = history.switch_times[(history.switch_times > contact.start) & (history.switch_times < contact.end)]
-        edges = [np.zeros(0)]
-        for a, b in pairwise([contact.start, *inside.tolist(), contact.end]):
-            panels = _panels(a, b, turning, fastest) if b > a else np.array([a, b])
+    times, weights, sizes, switches = [], [], [], history.switch_times
+    sampled = history.problem.forces.sampled
+    for start, end, *_ in spans:
+        inside = switches[(switches > start) & (switches < end)]
+        edges, knots = [np.zeros(0)], [force.knots_within(start, end) for force in sampled]
+        begun = {start, *inside.tolist()}
+        for a, b in pairwise(np.unique(np.concatenate([[*begun, end], *knots])).tolist()):
+            panels = _panels(a, b, turning, (fastest or turning) if a in begun else turning)
             half, middle = np.diff(panels)[:, None] / 2, ((panels[:-1] + panels[1:]) / 2)[:, None]
             edges.append((middle + half * _NODES).ravel())
             weights.append((half * _WEIGHTS).ravel())
@@ -68,4 +92,23 @@ def _lost(history: History, stop: int, contacts: Sequence[Contact], fastest: flo
         force = it.stiffness * (d - it.gap) + it.damping * rate
         rates.append((force if it.may_pull else np.maximum(force, 0.0)) * rate)
     power = np.concatenate(weights) * np.concatenate(rates)
-    return [float(part.sum()) for part in np.split(power, np.cumsum(sizes)[:-1])]
+    given = [float(part.sum()) for part in np.split(power, np.cumsum(sizes)[:-1])]
+    return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
+
+
+def _kept(history: History, stop: int, spans: Sequence[Span]) -> list[float]:
+    """What the spring of a stop stores at the cut end of each span, less what it stores at a cut start, J."""
+    ends = np.clip(np.array([(span.start, span.end) for span in spans]).ravel(), history.start, history.end)
+    stored = history.problem.stops[stop].stiffness / 2 * history.penetration(ends)[stop] ** 2
+    cuts = np.array([(-float(span.cut_start), float(span.cut_end)) for span in spans])
+    return [float(kept) for kept in (stored.reshape(-1, 2) * cuts).sum(axis=1)]
+
+
+def without_stored(history: History) -> History:
+    """The motion with energies that were integrals of F d', less what a spring stores where a contact is cut."""
+    contacts = list(history.contacts)
+    for i, it in enumerate(contacts):
+        if history.problem.stops[it.stop].damping > 0 and (it.open_start or it.open_end):
+            (kept,) = _kept(history, it.stop, [Span(it.start, it.end, it.open_start, it.open_end)])
+            contacts[i] = replace(it, dissipated=it.dissipated - kept)
+    return replace(history, contacts=tuple(contacts))

@@ -153,9 +153,7 @@ class Equilibrium(Shown):
             If a position is outside the beam.
         """
         x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        L = self.problem.line.length
-        if np.any((x_ < 0) | (x_ > L)):
-            raise ValueError(f"x must lie within the beam, 0 to {L:g} m")
+        self.problem.line.check(x_)
         return self.shape(x_, derivative)
 
     def largest_moment(self) -> Extreme:
@@ -219,6 +217,8 @@ def _moments(found: Equilibrium) -> list[tuple[float, float]]:
     places: list[float] = []
     moments: list[float] = []
     for a, b in pairwise(breaks_of(found.problem)):
+        if (a, b) in found.problem.line.spaces:
+            continue
         first = min(float(np.nextafter(a, b)), b)
         one, other = found.shear(np.array([a + (b - a) / 4, b - (b - a) / 4]))
         level = a + (b - a) * (0.25 + 0.5 * one / (one - other)) if one != other else a
@@ -230,12 +230,11 @@ def _moments(found: Equilibrium) -> list[tuple[float, float]]:
 
 def breaks_of(problem: Problem) -> tuple[float, ...]:
     """Positions, m, ascending from 0 to L, of all that acts at points, and of all ends of segments and static loads."""
-    found = {0.0, problem.line.length, *(piece.end for piece in problem.line.pieces)}
-    found |= {
-        part.x
-        for group in (problem.structure.supports, problem.structure.stops, problem.structure.masses)
-        for part in group
-    }
+    structure = problem.structure
+    found = {*problem.line.edges, *(piece.end for piece in problem.line.pieces)}
+    found |= {x for stop in structure.stops for x, _ in stop.reading}
+    found |= {x for link in structure.links for x in (link.first, link.second)}
+    found |= {part.x for part in structure.supports} | {part.x for part in structure.masses}
     found |= {x for force in problem.forces.constant for x in force.shape.edges}
     return tuple(sorted(found))
 

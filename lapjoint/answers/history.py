@@ -41,8 +41,11 @@ class Contact:
     peak_force_error: float | None = None
     """Estimate of the numerical error of `peak_force`, N; infinite or None, see `start_error`."""
     dissipated: float = 0.0
-    """Energy that a damped stop takes from the beam and keeps, J: the integral of its force times the rate of its
-    penetration.  What its spring stores when the force ends is lost with it; a stop without damping gives all back."""
+    """Energy that is lost in a damped stop, J: the integral of its force times the rate of its penetration.  What its
+    spring stores when the force ends is lost with it; what the spring stores where the history cuts the contact is not.
+    A stop without damping gives all back."""
+    dissipated_error: float | None = None
+    """Estimate of the numerical error of `dissipated`, J; infinite or None, see `start_error`."""
 
     @property
     def duration(self) -> float:
@@ -290,6 +293,26 @@ class History(Shown):
             return np.zeros((shares.size, t.size))
         return np.outer(shares, self.base(t, dt))
 
+    def faces(self, t: FloatArray) -> FloatArray:
+        """Where the face of each stop is, in the frame of the beam that meets it.
+
+        Parameters
+        ----------
+        t : FloatArray, shape (m,)
+            Times, s, within the history.
+
+        Returns
+        -------
+        FloatArray, shape (stops, m)
+            The displacement at which the beam touches the stop, m: the gap, up or down, moved by what carries the stop.
+        """
+        stops = self.problem.structure.stops
+        found = np.outer([stop.sign * stop.gap for stop in stops], np.ones(t.size)) - self.base_of_stops(t)
+        for k, stop in enumerate(stops):
+            if stop.side == "between":
+                found[k] += self.displacement(stop.x, t)[0]
+        return found
+
     def impulses(self, start: float | None = None, end: float | None = None) -> FloatArray:
         """Impulse of each stop, summed over the contacts that start in ``[start, end)``.
 
@@ -325,3 +348,18 @@ class History(Shown):
         for contact in self.contacts:
             total[contact.stop] += contact.dissipated
         return total
+
+    def dissipated_errors(self) -> FloatArray | None:
+        """Estimates of the numerical errors of `dissipated`: the sums of the errors of the contacts.
+
+        Returns
+        -------
+        FloatArray, shape (stops,), or None
+            Errors, J; infinite where no error can be stated, None if none was estimated.
+        """
+        total = np.zeros(len(self.problem.stops))
+        for contact in self.contacts:
+            if contact.dissipated_error is None:
+                return None
+            total[contact.stop] += contact.dissipated_error
+        return None if self.error_source == NO_ERRORS else total

@@ -39,7 +39,9 @@ class Quantity:
     def of(self, history: History, x: FloatArray, t: FloatArray) -> FloatArray:
         """The quantity at places `x`, m, (n,), and times `t`, s, (m,): shape (n, m), in `units`."""
         values = self.factor(history.problem, x) * history.evaluate(x, t, self.dx, self.dt)
-        return values + history.base(t, self.dt) if self.absolute else values
+        if not self.absolute:
+            return values
+        return values + np.outer(history.problem.structure.base_shares(x), history.base(t, self.dt))
 
 
 _ALL = (

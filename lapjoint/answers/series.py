@@ -95,8 +95,7 @@ def time_series(
         variables[name] = (dimension, "time"), values, {"units": units, "long_name": text}
     coordinates: dict[str, Any] = {
         "time": ("time", t, {"units": "s", "long_name": "time"}),
-        "x": ("x", x, {"units": "m", "long_name": "position from the root"}),
-    }
+    } | place_coordinates(problem, x)
     if FORCE in chosen:
         names = np.array(problem.stop_names, dtype=object)
         coordinates["stop_name"] = "stop", names, {"long_name": "name of the stop"}
@@ -167,14 +166,28 @@ def _columns(series: xr.Dataset) -> dict[str, FloatArray]:
     for name, variable in series.data_vars.items():
         units = written(variable.attrs["units"])
         of_stops = variable.dims[0] == "stop"
-        wheres = [f"of {stop}" for stop in series["stop_name"].values] if of_stops else _headings(series["x"].values)
+        wheres = [f"of {stop}" for stop in series["stop_name"].values] if of_stops else _headings(series)
         for where, values in zip(wheres, variable.values, strict=True):
             columns[f"{name} {where} [{units}]"] = values
     return columns
 
 
-def _headings(x: FloatArray) -> list[str]:
-    return [f"at x = {float(place)!r} m" for place in x]
+def _headings(series: xr.Dataset) -> list[str]:
+    """Where each place is, as headings of a table say it."""
+    if "place" in series.coords:
+        return [f"at {place}" for place in series["place"].values]
+    return [f"at x = {float(x)!r} m" for x in series["x"].values]
+
+
+def place_coordinates(problem: Problem, x: FloatArray) -> dict[str, Any]:
+    """The coordinates of places, m, ``(n,)``, as a dataset has them; of several beams with their places as text."""
+    line = problem.line
+    about = "position on the line of beams" if line.several else "position from the root"
+    found: dict[str, Any] = {"x": (("x",), x, {"units": "m", "long_name": about})}
+    if line.several:
+        names = np.array([line.place(float(one)) for one in x], dtype=object)
+        found["place"] = ("x",), names, {"long_name": "beam, and position on it in m"}
+    return found
 
 
 def written(units: str) -> str:
@@ -185,10 +198,11 @@ def written(units: str) -> str:
 def places_of(problem: Problem, at: Sequence[float] | None) -> list[float]:
     """The places `at` or, by default, the stops and the ends that no support fixes, m, each once."""
     if at is None:
-        L = problem.line.length
+        line = problem.line
         fixed = {support.x for support in problem.structure.supports if math.isinf(support.translational)}
-        free = [end for end in (0.0, L) if end not in fixed]
-        return sorted({*free, *(stop.x for stop in problem.structure.stops)}) or [L / 2]
+        free = [end for end in line.edges if end not in fixed]
+        stops = {x for stop in problem.structure.stops for x, _ in stop.reading}
+        return sorted({*free, *stops}) or [(a + b) / 2 for a, b in zip(line.starts, line.ends, strict=True)]
     if not len(at):
         raise InputError("at: names no place; one or more are needed")
     return list(dict.fromkeys(problem.position(x) for x in at))

@@ -181,6 +181,9 @@ class SteadyState(Shown):
     impulse_errors: FloatArray | None = None
     """Estimate of the numerical error of each impulse, N s, ``(stops,)``; infinite if no error can be stated, None if
     none was estimated.  For a motion that does not repeat, the standard error of the mean."""
+    dissipated_errors: FloatArray | None = None
+    """Estimate of the numerical error of each energy in `dissipated`, J, ``(stops,)``; infinite if no error can be
+    stated, None if none was estimated or the motion does not repeat."""
     error_source: str = NO_ERRORS
     """How the errors were estimated, or why there are none."""
     comparison: Comparison | None = field(default=None, repr=False, compare=False)
@@ -190,6 +193,15 @@ class SteadyState(Shown):
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "march_on": None}
+
+    @property
+    def dissipated(self) -> FloatArray:
+        """Energy that each stop takes from the beam and keeps over one excitation period (the mean over `history`), J,
+        ``(stops,)``."""
+        omega = self.problem.excitation_frequency
+        duration = self.history.end - self.history.start
+        periods = self.period_multiple or (round(duration * omega / (2 * math.pi)) if omega else 1)
+        return self.history.dissipated() / max(periods, 1)
 
     @property
     def stable(self) -> bool | None:

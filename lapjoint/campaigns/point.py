@@ -26,6 +26,8 @@ class PlainSection(TypedDict):
 
     closed: list[int]
     """The closed stops."""
+    released: NotRequired[list[int]]
+    """The closed stops that exert no force, where there are some."""
     coordinates: list[list[float]]
     """The solver's own coordinates."""
     nodes: NotRequired[list[float]]
@@ -47,6 +49,8 @@ class PlainContact(NamedTuple):
     """Largest force of the stop, N."""
     cut: int
     """The ends at which the motion cuts the contact, `CUT_AT_START` plus `CUT_AT_END`."""
+    dissipated: float = 0.0
+    """Energy that the stop takes and keeps, J."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +85,8 @@ class Point:
     """Estimate of each impulse's numerical error, N s; infinite where none can be stated, empty if none was made."""
     summary: dict[str, list[float]] = field(default_factory=dict)
     """Further numbers of the motion that were asked for, by name.  Of a quantity: the largest value along the beam, its
-    error, and its position, m.  Of the stops: one value for each stop, then their errors.  Errors are NaN where none
-    were estimated."""
+    error, and its position, m.  Of the stops: one value for each stop, or for all together, then their errors.  Errors
+    are NaN where none were estimated."""
     message: str = ""
     """Reason for which the solver gave up; empty where it did not."""
 
@@ -111,6 +115,7 @@ def point_of(found: SteadyState, summary: Sequence[str] = ()) -> Point:
                 impulse=float(c.impulse),
                 peak_force=float(c.peak_force),
                 cut=CUT_AT_START * bool(c.open_start) + CUT_AT_END * bool(c.open_end),
+                dissipated=float(c.dissipated),
             )
             for c in history.contacts
         ),
@@ -127,14 +132,14 @@ def point_from(fields: Mapping[str, Any]) -> Point:
 
 def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[float]]:
     """Numbers of a steady state as `Point.summary` holds them."""
-    from lapjoint.summaries.of_orbit import OF_STOPS, quantities_of
+    from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS, quantities_of
 
     summary = summarise(found, quantities=quantities_of(names) or ["displacement"])
     result = {}
     for name in names:
         values = summary.values[name]
         errors = np.full_like(values, math.nan) if summary.errors is None else summary.errors[name]
-        if name in OF_STOPS:
+        if name in OF_STOPS | OF_ALL:
             result[name] = [*values.tolist(), *errors.tolist()]
         else:
             i = int(np.argmax(values))
@@ -146,6 +151,8 @@ def plain_section(point: SectionPoint) -> PlainSection:
     """A section point as values that JSON can hold."""
     coordinates = np.asarray(point.coordinates, dtype=float).tolist()
     plain = PlainSection(closed=list(point.state.closed), coordinates=coordinates)
+    if point.state.released:
+        plain["released"] = list(point.state.released)
     if point.nodes is not None:
         plain["nodes"] = np.asarray(point.nodes, dtype=float).tolist()
     return plain
@@ -154,4 +161,5 @@ def plain_section(point: SectionPoint) -> PlainSection:
 def section_from(plain: PlainSection) -> SectionPoint:
     """The section point of which `plain_section` made the values, with the same bits."""
     nodes = np.array(plain["nodes"], dtype=float) if "nodes" in plain else None
-    return SectionPoint(ContactState(tuple(plain["closed"])), np.array(plain["coordinates"], dtype=float), nodes)
+    state = ContactState(tuple(plain["closed"]), tuple(plain.get("released", ())))
+    return SectionPoint(state, np.array(plain["coordinates"], dtype=float), nodes)

@@ -19,6 +19,7 @@ from lapjoint.cli.options import DRAWINGS, FIGURES, AnswerFiles, SolverChoice, l
 from lapjoint.errors import InputError, OutputError
 from lapjoint.problem import files
 from lapjoint.problem.override import override
+from lapjoint.problem.places import place_of
 from lapjoint.problem.presets import PRESETS
 from lapjoint.scene.frame_times import check_frames
 from lapjoint.solver import Solver
@@ -192,15 +193,20 @@ def names_from(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
-def places_from(text: str) -> list[float]:
-    """The places of ``--at x=2.5,1.25``, m."""
-    name, _, numbers = text.partition("=")
+def places_from(text: str, problem: Problem) -> list[float]:
+    """The positions, m, of the places of ``--at x=2.5,1.25``, or of several beams ``--at x=upper:0.3,lower:0.1``."""
+    name, _, listed = text.partition("=")
     try:
-        if name.strip() == "x":
-            return [float(number) for number in numbers.split(",")]
+        places = [place_of(place.strip()) for place in listed.split(",")] if name.strip() == "x" else []
     except ValueError:
-        pass
-    raise InputError(f"--at {text}: must be x= and numbers with commas between them, in m, as in x=2.5,1.25")
+        places = []
+    if not places:
+        raise InputError(f"--at {text}: must be x= and numbers with commas between them, in m, as in x=2.5,1.25")
+    for place in places:
+        fault = problem.line.fault_of(place)
+        if fault:
+            raise InputError(f"x = {fault[0]}: {fault[1]}")
+    return [problem.position(place) for place in places]
 
 
 def check_answer_files(files: AnswerFiles) -> None:
@@ -216,7 +222,7 @@ def series_from(problem: Problem, files: AnswerFiles, duration: float | None) ->
         refuse("no series is written without --series FILE", quantity=files.quantity, rate=files.rate)
         return {}
     wanted: dict[str, Any] = {
-        "at": None if files.at is None else places_from(files.at),
+        "at": None if files.at is None else places_from(files.at, problem),
         "quantities": None if files.quantity is None else names_from(files.quantity),
         "rate": files.rate,
     }
@@ -274,7 +280,7 @@ def drawing_from(problem: Problem, files: AnswerFiles, elsewhere: bool) -> dict[
         if not elsewhere:
             refuse("there is neither a series nor a figure that shows places", at=at)
         return {}
-    places = [problem.position(x) for x in places_from(at)]
+    places = places_from(at, problem)
     if len(places) > most:
         raise InputError(f"--at {at}: figure {name} shows one place; give one")
     return {"x": places[0] if most == 1 else places}

@@ -27,7 +27,7 @@ def print_equilibrium(found: Equilibrium) -> None:
         names, width = stop_column(problem)
         rows = zip(names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True)
         for name, stop, force, error in rows:
-            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{_with_error(force, error)}")
+            echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{_with_error(force, error)}")
     if problem.structure.supports:
         echo(
             "\nForce [N] and couple [N m] of each support on the beam, force upwards and couple anticlockwise positive"
@@ -35,10 +35,10 @@ def print_equilibrium(found: Equilibrium) -> None:
     for i, support in enumerate(problem.structure.supports):
         force = _with_error(found.support_forces[i], found.errors.support_forces[i])
         couple = _with_error(found.support_moments[i], found.errors.support_moments[i])
-        echo(f"{i + 1:<10}x = {support.x:<8g} {force} {couple}")
+        echo(f"{i + 1:<10}x = {problem.line.place(support.x):<8} {force} {couple}")
     echo()
     for label, extreme in _extremes(found).items():
-        echo(f"{label:<38}{_with_error(extreme.value, extreme.error)}  at x = {extreme.x:.6g} m")
+        echo(f"{label:<38}{_with_error(extreme.value, extreme.error)}  at x = {found.problem.line.place(extreme.x)} m")
     print_source(found.error_source)
 
 
@@ -46,7 +46,7 @@ def _extremes(found: Equilibrium) -> dict[str, Extreme]:
     """The largest moment and, where there is a section, the largest stress; and the displacement of the tip."""
     L = found.problem.line.length
     extremes = {"Largest bending moment [N m]": found.largest_moment()}
-    if all(piece.section is not None for piece in found.problem.line.pieces):
+    if found.problem.line.has_sections:
         extremes["Largest bending stress at the top [Pa]"] = found.largest_stress()
     tip = Extreme(L, float(found.displacement(L)[0]), found.errors.displacement)
     return extremes | {"Displacement of the tip [m]": tip}
@@ -98,7 +98,7 @@ def equilibrium_summary(found: Equilibrium) -> dict[str, Any]:
     def extreme(of: Extreme) -> dict[str, float]:
         return {"x_m": of.x, "value": of.value, "error": of.error}
 
-    section = all(piece.section is not None for piece in problem.line.pieces)
+    section = problem.line.has_sections
     return {
         "solver": found.solver,
         "pressing": [names[k] for k in found.state.closed],

@@ -18,10 +18,12 @@ from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.files.writing import write_file
 from lapjoint.summaries import summarise
-from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING
+from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS, WANDERING
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from lapjoint.problem import FloatArray
 
 COLUMNS = 80
 """Usual width of a terminal, characters."""
@@ -89,7 +91,14 @@ def print_history(history: History) -> None:
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
     print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
-    _print_dissipated(history, 1, "Energy lost in damped stops in all [J], no error estimated")
+    lost, unsure = history.dissipated(), history.dissipated_errors()
+    _print_dissipated(problem, "Energy lost in damped stops [J]", lost, unsure)
+    per = 1 / (history.end - history.start)
+    of_power = None if unsure is None else unsure * per
+    total = None if of_power is None else float(of_power.sum())
+    _print_dissipated(
+        problem, "Mean power lost in damped stops [W]", lost * per, of_power, (float(lost.sum()) * per, total)
+    )
     if contacts:
         print_source(history.error_source)
 
@@ -127,11 +136,8 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
     errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
     print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
     if found.period_multiple:
-        _print_dissipated(
-            found.history,
-            found.period_multiple,
-            "Energy lost in damped stops per excitation period [J], no error estimated",
-        )
+        heading = "Energy lost in damped stops per excitation period [J]"
+        _print_dissipated(found.problem, heading, found.dissipated, found.dissipated_errors)
     _print_summary(found, at)
     if found.problem.structure.stops or found.impulse_errors is not None:
         print_source(found.error_source)
@@ -168,6 +174,10 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
             echo(f"\n{title:<38}{heads[0]:>12}{gap}{heads[1]:>12}")
             for i, stop in enumerate(names):
                 echo(f"{stop:<38}{with_error(first, i)}{with_error(second, i)}".rstrip())
+    of_power = [None if errors is None else errors[name] for name in ("dissipated_power", "dissipated_power_total")]
+    in_all = float(values["dissipated_power_total"][0]), None if of_power[1] is None else float(of_power[1][0])
+    heading = f"Mean power lost in damped stops{over} [W]"
+    _print_dissipated(found.problem, heading, values["dissipated_power"], of_power[0], in_all)
 
 
 def print_source(source: str) -> None:
@@ -213,18 +223,31 @@ def print_impulses(problem: Problem, impulses: list[float], heading: str, errors
         names, width = stop_column(problem)
         known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
         for name, stop, impulse, error in zip(names, problem.structure.stops, impulses, known, strict=True):
-            echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{impulse:14.8g}{error}")
+            echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{impulse:14.8g}{error}")
 
 
-def _print_dissipated(history: History, periods: int, heading: str) -> None:
-    """Print the energy that each damped stop takes and keeps, J, divided by `periods`; nothing without damped stops."""
-    problem, lost = history.problem, history.dissipated() / periods
-    if any(stop.damping > 0 for stop in problem.stops):
-        echo(f"\n{heading}")
-        names, width = stop_column(problem)
-        for name, stop, energy in zip(names, problem.structure.stops, lost.tolist(), strict=True):
-            if stop.damping > 0:
-                echo(f"{name:<{width}}x = {stop.x:<8g} {stop.side:<8}{energy:14.8g}")
+def _print_dissipated(
+    problem: Problem,
+    heading: str,
+    values: FloatArray,
+    errors: FloatArray | None,
+    in_all: tuple[float, float | None] | None = None,
+) -> None:
+    """Print what each damped stop takes and keeps, J or W, (S,), and what all do, with errors; nothing without such."""
+
+    def with_error(value: float, error: float | None) -> str:
+        return f"{value:14.8g}" if error is None else f"{value:14.8g}  +- {error_text(error)}"
+
+    damped = [i for i, stop in enumerate(problem.structure.stops) if stop.damping > 0]
+    if not damped:
+        return
+    echo(f"\n{heading}")
+    names, width = stop_column(problem)
+    for i in damped:
+        stop, error = problem.structure.stops[i], None if errors is None else float(errors[i])
+        echo(f"{names[i]:<{width}}x = {stop.where:<8} {stop.side:<8}{with_error(float(values[i]), error)}")
+    if in_all is not None and len(damped) > 1:
+        echo(f"{'in all':<{width + 21}}{with_error(*in_all)}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:
@@ -253,6 +276,10 @@ def steady_state_summary(found: SteadyState, at: list[float] | None = None) -> d
         "impulse_errors_Ns": None
         if found.impulse_errors is None
         else dict(zip(found.problem.stop_names, found.impulse_errors.tolist(), strict=True)),
+        "dissipated_J": dict(zip(found.problem.stop_names, found.dissipated.tolist(), strict=True)),
+        "dissipated_errors_J": None
+        if found.dissipated_errors is None
+        else dict(zip(found.problem.stop_names, found.dissipated_errors.tolist(), strict=True)),
         "error_source": found.error_source,
         "summary": summary_of(found, at),
     }
@@ -280,6 +307,9 @@ def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
             if summary.errors is None
             else dict(zip(found.problem.stop_names, summary.errors[name].tolist(), strict=True)),
         }
+    for name, (units, _) in OF_ALL.items():
+        errors = None if summary.errors is None else float(summary.errors[name][0])
+        content[name] = {"units": written(units), "value": float(summary.values[name][0]), "error": errors}
     return content
 
 

@@ -112,7 +112,7 @@ def steady(
     this = arguments.problem_from(problem, overrides)
     drawing = arguments.drawing_from(this, files, True)
     series = arguments.series_from(this, files, None)
-    shown = None if files.at is None else [this.position(x) for x in arguments.places_from(files.at)]
+    shown = None if files.at is None else arguments.places_from(files.at, this)
     found = find_steady_state(this, solver.make(), errors)
     printing.print_steady_state(found, shown)
     write_results(found.history, files, series, drawing)

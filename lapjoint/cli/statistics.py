@@ -61,7 +61,7 @@ def statistics(
         seeds,
         solver.name,
         solver.numerics,
-        None if at is None else tuple(arguments.places_from(at)),
+        None if at is None else tuple(arguments.places_from(at, this)),
         None if quantity is None else arguments.names_from(quantity),
         settle,
         rate,

@@ -24,6 +24,7 @@ _SHARES = (0.5, 0.9, 0.99)
 _OF_STOPS = {
     "contact_rate": "Contacts a second",
     "contact_time": "Share of time in contact",
+    "dissipated_power": "Mean power lost in the stop [W]",
     "impulse_rate": "Impulse a second [N], top positive",
     "force_rms": "Root mean square of the force [N]",
     "force_maximum": "Largest force [N]",
@@ -47,7 +48,7 @@ def print_statistics(found: xr.Dataset, problem: Problem) -> None:
     echo(f"Intervals of {100 * of['level']:g} % from {each}, {of['rate']:.4g} samples a second")
     print_excitation(problem)
     _print_places(found)
-    _print_stops(found)
+    _print_stops(found, problem)
     for line in [*filter(None, of["remarks"].split("\n"))]:
         echo(fill(f"Note: {line}", COLUMNS))
     messages = [*filter(None, of["messages"].split("\n"))]
@@ -99,15 +100,23 @@ def _print_places(found: xr.Dataset) -> None:
     echo("* where it is largest along the beam")
 
 
-def _print_stops(found: xr.Dataset) -> None:
+def _print_stops(found: xr.Dataset, problem: Problem) -> None:
     names = apart([str(name) for name in found.stop_name.values], lambda name: cut_to(name, 24))
     if not names:
         return
+    damped = [stop.damping > 0 for stop in problem.stops]
     for variable, title in _OF_STOPS.items():
+        of_damped = variable == "dissipated_power"
+        if of_damped and not any(damped):
+            continue
         echo(f"\n{title:<{_NAME + 8}}{'':>11}{'95 % interval':>22}")
         for i, name in enumerate(names):
-            ends = found[f"{variable}_interval"].values[i]
-            echo(f"{name:<{_NAME + 8}}{_interval(found[variable].values[i], ends)}")
+            if damped[i] or not of_damped:
+                ends = found[f"{variable}_interval"].values[i]
+                echo(f"{name:<{_NAME + 8}}{_interval(found[variable].values[i], ends)}")
+        if of_damped and sum(damped) > 1:
+            total = found[f"{variable}_total"]
+            echo(f"{'in all':<{_NAME + 8}}{_interval(float(total), found[f'{total.name}_interval'].values)}")
     for variable, title in _OF_CONTACTS.items():
         shares = "".join(f"{f'{100 * share:g} %':>11}" for share in _SHARES)
         echo(f"\n{title:<{_NAME + 3}}{shares}{'largest':>11}")

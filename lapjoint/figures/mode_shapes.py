@@ -38,7 +38,7 @@ _NAMED = 4
 """Number of states of a group whose closed stops are written out; the others are counted."""
 _UNBROKEN, _LONGEST = 16, 60
 """Largest number of characters of a state's name that is kept on one line, and that is written in full."""
-_POINTS_AT_BEAM = {"bottom": 6, "top": 7}
+_POINTS_AT_BEAM = {"bottom": 6, "top": 7, "between": "d"}
 """Matplotlib's carets with their tip on the beam, by the stop's side."""
 
 
@@ -156,7 +156,7 @@ def state_groups(problem: Problem, states_modes: Sequence[Modes]) -> list[list[M
 
 
 def _alike(problem: Problem, a: Modes, b: Modes) -> bool:
-    places = [sorted(problem.structure.stops[stop].x for stop in modes.state.closed) for modes in (a, b)]
+    places = [sorted(problem.structure.stops[stop].reading for stop in modes.state.closed) for modes in (a, b)]
     n = min(len(a.angular_frequencies), len(b.angular_frequencies))
     one, other = a.angular_frequencies[:n], b.angular_frequencies[:n]
     return places[0] == places[1] and np.allclose(one, other, rtol=SAME, atol=SAME * float(np.max(one, initial=0.0)))
@@ -183,21 +183,23 @@ def _unbroken(name: str) -> str:
 
 
 def _draw_shapes(axes: Axes, problem: Problem, group: Sequence[Modes], count: int, samples: int, hz: bool) -> None:
-    x = np.linspace(0.0, problem.line.length, samples)
-    modes = group[0]
+    line, modes = problem.line, group[0]
+    x = line.grid(samples)
+    starts = np.arange(samples, x.size, samples)  # of the second beam and so on: a gap in the curve before each
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     for i, (omega, shape) in enumerate(zip(modes.angular_frequencies[:count], modes.shapes(x), strict=False)):
         axes.plot(
-            x,
-            upright(shape),
+            np.insert(x, starts, np.nan),
+            np.insert(upright(shape), starts, np.nan),
             color=COLOURS[i % len(COLOURS)],
             linestyle=STYLES[i % len(STYLES)],
             label=f"{i + 1}: {omega / (2 * math.pi) if hz else omega:.4g}",
         )
+    closed = {s for each in group for s in each.state.closed}
     for place, side in sorted(
-        {(problem.structure.stops[s].x, problem.structure.stops[s].side) for each in group for s in each.state.closed}
+        {(x, stop.side) for stop in (problem.structure.stops[s] for s in closed) for x, _ in stop.reading}
     ):
         axes.plot([place], [0.0], marker=_POINTS_AT_BEAM[side], color="0.25", markersize=6, linestyle="", clip_on=False)
-    axes.set_xlabel("position x [m]")
+    axes.set_xlabel(f"beams {', '.join(line.names)}, one after the other [m]" if line.several else "position x [m]")
     axes.set_ylabel("mode shape [kg$^{-1/2}$]")
     axes.set_xlim(0.0, problem.line.length)

@@ -76,16 +76,17 @@ def plot_motion(
     positions = _positions(history.problem, x)
     t = times_drawn(history, samples)
     axes = new_axes() if axes is None else axes
-    z, moved = 1e3 * history.displacement(np.array(positions), t), history.base_of_stops(t)
+    z, faces = 1e3 * history.displacement(np.array(positions), t), 1e3 * history.faces(t)
     for i, place in enumerate(positions):
         pattern = STYLES[i % len(STYLES)]
-        name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
+        where = f"x = {history.problem.line.place(place)} m"
+        name = f"{label}, {where}" if label else where
         axes.plot(t, z[i], color=_colour(i), linestyle=pattern, linewidth=line_width(history), label=name)
-        here = [(k, stop) for k, stop in enumerate(history.problem.structure.stops) if stop.x == place]
-        for gap in {stop.sign * stop.gap for _, stop in here if not stop.in_space}:
+        here = [(k, stop) for k, stop in enumerate(history.problem.structure.stops) if stop.met == place]
+        for gap in {stop.sign * stop.gap for _, stop in here if stop.still}:
             axes.axhline(1e3 * gap, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)))
-        for face in (stop.sign * stop.gap - moved[k] for k, stop in here if stop.in_space):
-            axes.plot(t, 1e3 * face, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)), label="_face")
+        for face in (faces[k] for k, stop in here if not stop.still):
+            axes.plot(t, face, color=_colour(i), linewidth=THIN, linestyle=(0, (2, 3)), label="_face")
     _shade_contacts(axes, history, positions, t, z)
     _draw_strips(axes, history, positions)
     draw_time(axes, history.start, history.end)
@@ -96,7 +97,7 @@ def plot_motion(
 
 def _positions(problem: Problem, x: float | Sequence[float] | None) -> list[float]:
     if x is None:
-        return sorted({stop.x for stop in problem.structure.stops}) or [problem.line.length]
+        return sorted({stop.met for stop in problem.structure.stops}) or [problem.line.length]
     places = np.atleast_1d(np.asarray(x, dtype=float))
     if not places.size:
         raise InputError("x = []: names no position; one or more are needed, or None for those of the stops")
@@ -109,13 +110,13 @@ def _colour(i: int) -> str:
 
 def _shade_contacts(axes: Axes, history: History, positions: list[float], t: FloatArray, z: FloatArray) -> None:
     """Shade the area between gap and curve while the stop is closed; `z` is in mm, shape ``(positions, m)``."""
-    moved = history.base_of_stops(t)
+    faces = 1e3 * history.faces(t)
     for i, (name, stop) in enumerate(zip(history.problem.stop_names, history.problem.structure.stops, strict=True)):
         closed = in_contact([contact for contact in history.contacts if contact.stop == i], t)
-        if stop.x in positions and closed.any():
-            row, gap = positions.index(stop.x), 1e3 * (stop.sign * stop.gap - moved[i])
+        if stop.met in positions and closed.any():
+            row = positions.index(stop.met)
             shade = axes.fill_between(
-                t, z[row], gap, where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
+                t, z[row], faces[i], where=closed.tolist(), color=_colour(row), alpha=0.13, linewidth=0
             )
             shade.set_label(f"_shade of {name}")
 
@@ -131,7 +132,7 @@ def _draw_strips(axes: Axes, history: History, positions: list[float]) -> None:
     axes.set_ylim(low - (high - low) * share / (1 - share), high)
     for row, (name, stop) in enumerate(zip(names, stops, strict=True)):
         bottom, height = share * (1 - (row + 1) / len(stops)), 0.7 * share / len(stops)
-        colour = _colour(positions.index(stop.x)) if stop.x in positions else GREY
+        colour = _colour(positions.index(stop.met)) if stop.met in positions else GREY
         # Heights are fractions of the axes.  One collection holds all contacts, which is fast with thousands of
         # contacts.
         axes.broken_barh(

@@ -49,6 +49,7 @@ def _of_history(history: History) -> str:
     lines = [
         f"{history.solver}, {history.start:g} to {history.end:g} s: {len(history.contacts)} contacts",
     ]
+    damped = any(stop.damping > 0 for stop in history.problem.stops)
     rows = [
         (
             history.problem.stop_names[c.stop],
@@ -56,10 +57,11 @@ def _of_history(history: History) -> str:
             f"{c.duration:.4g}",
             _with_error(c.impulse, c.impulse_error),
             _with_error(c.peak_force, c.peak_force_error),
+            *([_with_error(c.dissipated, c.dissipated_error)] if damped else []),
         )
         for c in history.contacts[:CONTACTS_SHOWN]
     ]
-    heads = ("stop", "start [s]", "duration [s]", "impulse [N s]", "peak [N]")
+    heads = ["stop", "start [s]", "duration [s]", "impulse [N s]", "peak [N]", *(["lost [J]"] if damped else [])]
     table = _table(heads, rows, len(history.contacts) - len(rows)) if rows else ""
     return _page(history.problem.title or "Untitled problem", lines, table + _picture(history))
 
@@ -80,12 +82,18 @@ def _of_steady_state(steady: SteadyState) -> str:
         lines.append(f"Largest modulus of a Floquet multiplier: {np.abs(steady.multipliers).max():.4g}")
     errors = [None] * steady.impulses.size if steady.impulse_errors is None else steady.impulse_errors.tolist()
     rows = [
-        (name, f"{stop.x:g}", stop.side, _with_error(float(impulse), error))
+        [name, stop.where, stop.side, _with_error(float(impulse), error)]
         for name, stop, impulse, error in zip(
             steady.problem.stop_names, steady.problem.structure.stops, steady.impulses, errors, strict=True
         )
     ]
-    table = _table(("stop", "x [m]", "side", "impulse a period [N s]"), rows, 0) if rows else ""
+    heads = ["stop", "x [m]", "side", "impulse a period [N s]"]
+    if any(stop.damping > 0 for stop in steady.problem.stops):
+        lost, unsure = steady.dissipated, steady.dissipated_errors
+        heads.append("energy lost a period [J]")
+        for i, row in enumerate(rows):
+            row.append(_with_error(float(lost[i]), None if unsure is None else float(unsure[i])))
+    table = _table(heads, rows, 0) if rows else ""
     return _page(steady.problem.title or "Untitled problem", lines, table + _picture(steady.history))
 
 
@@ -98,7 +106,7 @@ def _of_equilibrium(found: Equilibrium) -> str:
         f"Displacement of the tip: {_with_error(float(found.displacement(tip)[0]), found.errors.displacement)} m"
     )
     rows = [
-        (name, f"{stop.x:g}", stop.side, _with_error(float(force), float(error)))
+        (name, stop.where, stop.side, _with_error(float(force), float(error)))
         for name, stop, force, error in zip(
             problem.stop_names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True
         )

@@ -66,8 +66,10 @@ def plot_phase_portrait(
     z, v = _state(history, place, t)
     width = line_width(history)
     marker = "o" if np.ptp(z) == np.ptp(v) == 0 else ""
-    (orbit,) = axes.plot(z, v, linewidth=width, marker=marker, label=label or f"x = {place:g} m")
-    here = [i for i, stop in enumerate(history.problem.structure.stops) if stop.x == place]
+    (orbit,) = axes.plot(
+        z, v, linewidth=width, marker=marker, label=label or f"x = {history.problem.line.place(place)} m"
+    )
+    here = [i for i, stop in enumerate(history.problem.structure.stops) if stop.met == place]
     contacts = [c for c in history.contacts if c.stop in here or not here]
     if contacts:
         closed = np.where(in_contact(contacts, t), v, np.nan)
@@ -82,7 +84,7 @@ def plot_phase_portrait(
             solid_capstyle="butt",
             label=f"_{IN_CONTACT}" if IN_CONTACT in known else IN_CONTACT,
         )
-    still = [history.problem.structure.stops[i] for i in here if not history.problem.structure.stops[i].in_space]
+    still = [stop for stop in (history.problem.structure.stops[i] for i in here) if stop.still]
     for gap in {stop.sign * stop.gap for stop in still}:
         axes.axvline(1e3 * gap, color=GREY, linewidth=THIN, zorder=1)
     entitle(axes, heading(history) if label is None else "")
@@ -129,7 +131,8 @@ def plot_poincare_section(
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
     size = 4.0 if t.size < 100 else 1.8
-    name = label or f"x = {place:g} m, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
+    where = f"x = {history.problem.line.place(place)} m"
+    name = label or f"{where}, ωt = {f'{phase:g} + ' if phase else ''}2πk: {t.size} section{'s' * (t.size > 1)}"
     axes.plot(z, v, linestyle="", marker="o", markersize=size, markeredgewidth=0, label=name)
     _widen(axes, *_state(history, place, times_drawn(history, 500)))
     entitle(axes, heading(history) if label is None else "")

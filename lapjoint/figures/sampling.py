@@ -24,7 +24,7 @@ def one_position(problem: Problem, x: float | None) -> float:
     """Position `x`, m; by default the position of the stop farthest from the root, or the tip if there are no stops."""
     if x is not None:
         return problem.position(x)
-    return max((stop.x for stop in problem.structure.stops), default=problem.line.length)
+    return max((stop.met for stop in problem.structure.stops), default=problem.line.length)
 
 
 def times_drawn(history: History, samples: int) -> FloatArray:

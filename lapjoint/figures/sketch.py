@@ -1,17 +1,20 @@
-"""The sketch of a joint: beam, supports, masses, stops behind their gaps, and all loads.  Only x is to scale."""
+"""The sketch of a joint: beams, supports, masses, links, stops behind their gaps, and loads.  Only x is to scale."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, figure_of, new_axes, style
 from lapjoint.figures.text import SMALL, cut_to, frequency_text, literal, width_of
-from lapjoint.problem import FloatArray, Problem, Support
+from lapjoint.problem import FloatArray, NamedBeam, Problem, Support
 from lapjoint.problem.excitation import StepLoad
+from lapjoint.problem.placing import uniform_load_shape
+from lapjoint.problem.structure import PlacedLink
 from lapjoint.problem.supports_and_stops import PlacedStop
 
 if TYPE_CHECKING:
@@ -25,12 +28,15 @@ _THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of th
 _MASS = 0.3  # half the side of a mass
 _ALONG = 0.55  # height of the arrows of a uniform load above the beam
 _GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
+_HEAD = 0.25  # from a beam to the head of a stop that holds two beams together
 _BEYOND = 1.8  # height of names beyond the ground of their stops
 _BELOW = -2.45  # height of the line of positions
 _NAME_SHOWN = 14  # characters
 _NEAR = 0.5  # distance below which two symbols would overlap
 _RIGHT = 1.75  # room on the right of the beam
+_INCHES = 0.42  # of the page for a unit of height that several beams need
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
+_APART = 1.9  # height between two beams that lie above each other
 _INK = "0.15"
 _BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
 
@@ -87,6 +93,54 @@ class _Page:
         self.take(x - 0.1, x + 0.1, tip, tail)
 
 
+@dataclass(frozen=True)
+class _Plan:
+    """Where positions on the line of beams lie on the page."""
+
+    problem: Problem
+
+    @cached_property
+    def origins(self) -> list[float]:
+        """Where each beam's left end lies along x, m."""
+        return [beam.origin if isinstance(beam, NamedBeam) else 0.0 for beam in self.problem.line.beams]
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """The leftmost and the rightmost end of a beam along x, m."""
+        ends = [origin + beam.length for origin, beam in zip(self.origins, self.problem.line.beams, strict=True)]
+        return min(self.origins), max(ends)
+
+    @cached_property
+    def scale(self) -> float:
+        """Units of the sketch in a metre."""
+        return _WIDE / (self.ends[1] - self.ends[0])
+
+    @cached_property
+    def heights(self) -> list[float]:
+        """Height of each beam on the page: beams that are drawn at one offset share it; the lowest is at 0."""
+        offsets = [beam.offset if isinstance(beam, NamedBeam) else 0.0 for beam in self.problem.line.beams]
+        levels = sorted(set(offsets))
+        return [_APART * levels.index(offset) for offset in offsets]
+
+    def along(self, x: float) -> float:
+        """Coordinate along x, m, of a position on the line, m."""
+        i = self.problem.line.beam_at(x)
+        return self.origins[i] + x - self.problem.line.starts[i]
+
+    def x(self, x: float) -> float:
+        """Horizontal coordinate on the page of a position on the line, m."""
+        return (self.along(x) - self.ends[0]) * self.scale
+
+    def y(self, x: float) -> float:
+        """Height on the page of the beam at a position on the line, m."""
+        return self.heights[self.problem.line.beam_at(x)]
+
+    def below(self, x: float) -> bool:
+        """Whether a stop hangs under the beam near a position on the line, m."""
+        near = (abs(stop.x - x) * self.scale < _NEAR for stop in self.problem.structure.stops if stop.sign < 0)
+        return any(near)
+
+
 @style()
 def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     """Draw a joint: positions to scale, everything else as symbols with numbers beside them.
@@ -105,37 +159,50 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     matplotlib.axes.Axes
         The axes drawn on, without scales.
     """
-    axes = new_axes(PAGE_WIDTH, HEIGHT) if axes is None else axes
+    plan = _Plan(problem)
+    top = max(plan.heights)
+    axes = new_axes(PAGE_WIDTH, HEIGHT + top * _INCHES) if axes is None else axes
     axes.set_axis_off()
     axes.set_xlim(-_LEFT, _WIDE + _RIGHT)
-    axes.set_ylim(_BELOW - 0.75, 2.35)
-    page, scale = (
-        _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0]),
-        _WIDE / problem.line.length,
-    )
-    _draw_beam(page, problem, scale)
+    axes.set_ylim(_BELOW - 0.75, 2.35 + top)
+    page = _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0])
+    _draw_beams(page, plan)
     for support in problem.structure.supports:
-        under = any(stop.sign < 0 and abs(stop.x - support.x) * scale < _NEAR for stop in problem.structure.stops)
-        _draw_support(page, support, support.x * scale, -0.42 if under else 0.0)
+        aside = -0.42 if plan.below(support.x) else 0.0
+        _draw_support(page, support, plan.x(support.x), plan.y(support.x), aside)
     for stop in problem.structure.stops:
-        _draw_stop(page, stop, stop.x * scale, _half_depth(problem, float(problem.line.EI_at(np.array([stop.x]))[0])))
+        _draw_stop(page, plan, stop)
+    for link in problem.structure.links:
+        _draw_link(page, plan, link)
     for mass in problem.structure.masses:
-        _draw_mass(page, mass.x * scale)
-    _draw_drive(page, problem, scale)
-    _draw_static_loads(page, problem, scale)
-    _draw_positions(page, problem, scale)
-    _name_stops(page, problem, scale)
-    _name_masses(page, problem, scale)
-    _say_supports(page, problem, scale)
+        _draw_mass(page, plan.x(mass.x), plan.y(mass.x))
+    _draw_drive(page, plan)
+    _draw_static_loads(page, plan)
+    _draw_positions(page, plan)
+    _name_beams(page, plan)
+    _name_stops(page, plan)
+    _name_masses(page, plan)
+    _say_supports(page, plan)
     return axes
 
 
-def _draw_beam(page: _Page, problem: Problem, scale: float) -> None:
-    """The beam, piece by piece."""
-    for piece in problem.line.pieces:
-        half = _half_depth(problem, piece.EI)
-        page.axes.fill_between([piece.start * scale, piece.end * scale], -half, half, color=_BEAM, linewidth=0)
-    page.take(0.0, _WIDE, -_HALF, _HALF)
+def _draw_beams(page: _Page, plan: _Plan) -> None:
+    """The beams, piece by piece."""
+    for piece in plan.problem.line.pieces:
+        half, y = _half_depth(plan.problem, piece.EI), plan.y(piece.start)
+        ends = [plan.x(piece.start), plan.x(piece.end)]
+        page.axes.fill_between(ends, y - half, y + half, color=_BEAM, linewidth=0)
+        page.take(ends[0], ends[1], y - _HALF, y + _HALF)
+
+
+def _name_beams(page: _Page, plan: _Plan) -> None:
+    """Names of several beams, above their middles or wherever there is room."""
+    line = plan.problem.line
+    for name, start, end, y in zip(line.names, line.starts, line.ends, plan.heights, strict=True):
+        places = [plan.x(start + share * (end - start)) for share in (0.5, 0.3, 0.7, 0.15, 0.85)] if name else []
+        _ = any(
+            page.say(x, y + side * 0.32, cut_to(name, _NAME_SHOWN), _BEAM, "center") for side in (1, -1) for x in places
+        )
 
 
 def _half_depth(problem: Problem, EI: float) -> float:
@@ -144,119 +211,159 @@ def _half_depth(problem: Problem, EI: float) -> float:
     return _HALF * max(math.sqrt(math.sqrt(EI / stiffest)), _THINNEST)
 
 
-def _draw_mass(page: _Page, x: float) -> None:
+def _draw_mass(page: _Page, x: float, y: float) -> None:
     """A square block about the axis of the beam."""
-    page.axes.fill([x - _MASS, x + _MASS, x + _MASS, x - _MASS], [-_MASS, -_MASS, _MASS, _MASS], color=GREY, zorder=3)
-    page.take(x - _MASS, x + _MASS, -_MASS, _MASS)
+    corners = [y - _MASS, y - _MASS, y + _MASS, y + _MASS]
+    page.axes.fill([x - _MASS, x + _MASS, x + _MASS, x - _MASS], corners, color=GREY, zorder=3)
+    page.take(x - _MASS, x + _MASS, y - _MASS, y + _MASS)
 
 
-def _draw_support(page: _Page, support: Support, x: float, aside: float) -> None:
+def _draw_support(page: _Page, support: Support, x: float, y: float, aside: float) -> None:
     """Draw a wall, a pin, or springs; springs are moved by `aside`, so that they do not overlap a stop."""
     if math.isinf(support.translational) and math.isinf(support.torsional):
         outside = -1.0 if x <= _WIDE / 2 else 1.0
-        page.line([x, x], [-0.75, 0.75], _INK, 1.2)
-        for at in np.linspace(-0.75, 0.6, 8):
+        page.line([x, x], [y - 0.75, y + 0.75], _INK, 1.2)
+        for at in np.linspace(y - 0.75, y + 0.6, 8):
             page.line([x, x + outside * 0.16], [float(at) + 0.08, float(at)], _INK, 0.5)
-        page.take(x, x + outside * 0.16, -0.75, 0.75)
+        page.take(x, x + outside * 0.16, y - 0.75, y + 0.75)
         return
     if math.isinf(support.translational):
-        page.axes.fill([x, x - 0.2, x + 0.2], [-_HALF, -0.55, -0.55], facecolor="white", edgecolor=_INK, linewidth=0.9)
-        page.ground(x, -0.55, -1.0)
+        foot = [y - _HALF, y - 0.55, y - 0.55]
+        page.axes.fill([x, x - 0.2, x + 0.2], foot, facecolor="white", edgecolor=_INK, linewidth=0.9)
+        page.ground(x, y - 0.55, -1.0)
     elif support.translational:
-        page.spring(x + aside, -_HALF, -_HALF - _SPRING, _INK)
-        page.ground(x + aside, -_HALF - _SPRING, -1.0)
+        page.spring(x + aside, y - _HALF, y - _HALF - _SPRING, _INK)
+        page.ground(x + aside, y - _HALF - _SPRING, -1.0)
     if support.torsional:
-        turn = np.linspace(0.0, 3.5 * math.pi, 60)
-        radius = 0.1 + 0.02 * turn
-        page.line(x + radius * np.cos(turn), 0.45 + radius * np.sin(turn), _INK, 0.8)
-        page.take(x - 0.32, x + 0.32, 0.13, 0.77)
+        _draw_coil(page, x, y + 0.45)
 
 
-def _draw_stop(page: _Page, stop: PlacedStop, x: float, surface: float) -> None:
-    """A plate behind its gap from the `surface` of the beam, a spring, and the ground."""
-    up = float(stop.sign)
-    face = up * (surface + (_GAP if stop.gap > 0 else 0.0))
+def _draw_coil(page: _Page, x: float, y: float) -> None:
+    """A torsional spring about a point."""
+    turn = np.linspace(0.0, 3.5 * math.pi, 60)
+    radius = 0.1 + 0.02 * turn
+    page.line(x + radius * np.cos(turn), y + radius * np.sin(turn), _INK, 0.8)
+    page.take(x - 0.32, x + 0.32, y - 0.32, y + 0.32)
+
+
+def _draw_link(page: _Page, plan: _Plan, link: PlacedLink) -> None:
+    """Springs between two beams, or a bar where they are infinite; a coil beside it resists turning."""
+    (x0, y0), (x1, y1) = ((plan.x(at), plan.y(at)) for at in (link.first, link.second))
+    if math.isinf(link.translational) or y0 == y1:
+        page.line([x0, x1], [y0, y1], _INK, 2.2)
+        page.take(min(x0, x1) - 0.1, max(x0, x1) + 0.1, y0, y1)
+    elif link.translational:
+        low, high = sorted((y0, y1))
+        page.spring((x0 + x1) / 2, low + _HALF, high - _HALF, _INK)
+    if link.torsional:
+        _draw_coil(page, (x0 + x1) / 2 + 0.4, (y0 + y1) / 2)
+
+
+def _draw_stop(page: _Page, plan: _Plan, stop: PlacedStop) -> None:
+    """A plate behind its gap from the surface of the beam, a spring, and the ground, or the other beam."""
+    problem, up = plan.problem, float(stop.sign)
+    seen, opened = stop.reading[0][0], _GAP if stop.gap > 0 else 0.0
+    surface = _half_depth(problem, float(problem.line.EI_at(np.array([seen]))[0]))
+    x, y = plan.x(seen), plan.y(seen)
+    if stop.side == "between":
+        x, far = (plan.x(stop.x) + x) / 2, plan.y(stop.x) - _HALF
+        if plan.y(stop.x) < y:  # closes where the beams come apart: its head is beyond the upper beam
+            page.spring(x, plan.y(stop.x) + _HALF, y - _HALF, _STOP)
+            page.line([x, x], [y - _HALF, y + _HALF + _HEAD], _STOP, 0.9)
+            page.line([x - 0.16, x + 0.16], [y + _HALF + _HEAD] * 2, _STOP, 1.8)
+            return
+    else:
+        far = y + up * (surface + opened + _SPRING)
+        page.ground(x, far, up)
+    face = y + up * (surface + opened)
     page.line([x - 0.16, x + 0.16], [face, face], _STOP, 1.8)
-    page.spring(x, face, face + up * _SPRING, _STOP)
-    page.ground(x, face + up * _SPRING, up)
+    page.spring(x, face, far, _STOP)
 
 
-def _name_stops(page: _Page, problem: Problem, scale: float) -> None:
+def _name_stops(page: _Page, plan: _Plan) -> None:
     """Write names and numbers beside the stops, or names alone where there is no room for numbers, beside the stops or
     beyond their ground; and the number of stops."""
+    problem = plan.problem
     for stop, name in zip(problem.structure.stops, problem.stop_names, strict=True):
         short = cut_to(literal(name), _NAME_SHOWN)
         gap = _number("interference", -stop.gap, "m") if stop.gap < 0 else _number("gap", stop.gap, "m")
         numbers = [gap, _number("k", stop.stiffness, "N/m")]
         numbers += [_number("c", stop.damping, "N s/m")] if stop.damping else []
-        numbers += ["fixed in space"] if stop.in_space else []
-        x, y, text = stop.x * scale, stop.sign * 1.0, "\n".join((short, *numbers))
+        numbers += ["fixed in space"] if stop.in_space and stop.side != "between" else []
+        x, y, text = plan.x(stop.x), plan.y(stop.x), "\n".join((short, *numbers))
+        middle, beyond = y + stop.sign * 1.0, y + stop.sign * _BEYOND
+        if stop.side == "between":
+            middle = beyond = (y + plan.y(stop.reading[0][0])) / 2
         _ = (
-            page.say(x + 0.36, y, text, _STOP)
-            or page.say(x - 0.36, y, text, _STOP, "right")
-            or page.say(x + 0.36, y, short, _STOP)
-            or page.say(x, stop.sign * _BEYOND, short, _STOP, "center")
+            page.say(x + 0.36, middle, text, _STOP)
+            or page.say(x - 0.36, middle, text, _STOP, "right")
+            or page.say(x + 0.36, middle, short, _STOP)
+            or page.say(x - 0.36, middle, short, _STOP, "right")
+            or page.say(x, beyond, short, _STOP, "center")
         )
     if len(problem.stops) > 1:
-        page.say(_WIDE, 2.15, f"{len(problem.stops)} stops", _STOP, "right")
+        page.say(_WIDE, 2.15 + max(plan.heights), f"{len(problem.stops)} stops", _STOP, "right")
 
 
-def _name_masses(page: _Page, problem: Problem, scale: float) -> None:
+def _name_masses(page: _Page, plan: _Plan) -> None:
     """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
     room."""
-    for mass in problem.structure.masses:
-        name, x = cut_to(literal(mass.name), _NAME_SHOWN), mass.x * scale
+    for mass in plan.problem.structure.masses:
+        name, x, y = cut_to(literal(mass.name), _NAME_SHOWN), plan.x(mass.x), plan.y(mass.x)
         lines = [name] if name else []
         lines.append(_number("m", mass.mass, "kg"))
         if mass.rotary_inertia:
             lines.append(_number("J", mass.rotary_inertia, "kg m2"))
-        text, y = "\n".join(lines), _MASS + 0.1 + len(lines) * _LINE / 2
+        text, above = "\n".join(lines), _MASS + 0.1 + len(lines) * _LINE / 2
         short, aside, near = _number(name or "m", mass.mass, "kg"), _MASS + 0.1, _HALF + 0.05 + _LINE / 2
         _ = (
-            page.say(x, y, text, GREY, "center")
-            or page.say(x, -y, text, GREY, "center")
-            or page.say(x - aside, near, short, GREY, "right")
-            or page.say(x + aside, near, short, GREY)
-            or page.say(x - aside, -near, short, GREY, "right")
-            or page.say(x + aside, -near, short, GREY)
+            page.say(x, y + above, text, GREY, "center")
+            or page.say(x, y - above, text, GREY, "center")
+            or page.say(x - aside, y + near, short, GREY, "right")
+            or page.say(x + aside, y + near, short, GREY)
+            or page.say(x - aside, y - near, short, GREY, "right")
+            or page.say(x + aside, y - near, short, GREY)
         )
 
 
-def _say_supports(page: _Page, problem: Problem, scale: float) -> None:
+def _say_supports(page: _Page, plan: _Plan) -> None:
     """Write stiffnesses beside the supports."""
-    for support in problem.structure.supports:
-        x = support.x * scale
+    for support in plan.problem.structure.supports:
+        x, y = plan.x(support.x), plan.y(support.x)
         if 0 < support.translational < math.inf:
             text = _number("k", support.translational, "N/m")
-            _ = page.say(x + 0.36, -0.75, text) or page.say(x - 0.8, -0.75, text, align="right")
+            _ = page.say(x + 0.36, y - 0.75, text) or page.say(x - 0.8, y - 0.75, text, align="right")
         if 0 < support.torsional < math.inf:
-            page.say(x + 0.4, 0.5, _number("kt", support.torsional, "N m/rad"))
+            page.say(x + 0.4, y + 0.5, _number("kt", support.torsional, "N m/rad"))
 
 
-def _draw_drive(page: _Page, problem: Problem, scale: float) -> None:
+def _draw_drive(page: _Page, plan: _Plan) -> None:
     """Draw the motion of the base on the left, and the loads as arrows."""
+    problem = plan.problem
     if problem.base_motion is not None:
         page.arrow(-0.75, 0.8, -0.8, "<->")
-        page.say(-_LEFT + 0.05, 1.35, _said_of_base(problem), _DRIVE)
+        text = _said_of_base(problem)
+        _ = page.say(-_LEFT + 0.05, 1.35, text, _DRIVE) or page.say(-_LEFT + 0.05, -1.35, text, _DRIVE)
     for load in problem.point_loads:
         place = problem.line.at(load.x)
-        x, down = place * scale, isinstance(load, StepLoad) and load.force < 0
-        crowded = any(stop.sign < 0 and abs(stop.x - place) * scale < _NEAR for stop in problem.structure.stops)
-        tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if crowded else (-_HALF, -1.5)
-        page.arrow(x, tip, tail, "->")
+        x, y, down = plan.x(place), plan.y(place), isinstance(load, StepLoad) and load.force < 0
+        tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if plan.below(place) else (-_HALF, -1.5)
+        page.arrow(x, y + tip, y + tail, "->")
         text = f"{load.force:g} N" if isinstance(load, StepLoad) else f"{load.kind} force"
-        page.say(x - 0.12, max(tip, tail, key=abs), text, _DRIVE, "right")
+        page.say(x - 0.12, y + max(tip, tail, key=abs), text, _DRIVE, "right")
 
 
-def _draw_static_loads(page: _Page, problem: Problem, scale: float) -> None:
+def _draw_static_loads(page: _Page, plan: _Plan) -> None:
     """Gravity as an arrow at the right, and uniform loads as rows of arrows."""
+    problem = plan.problem
     if problem.gravity is not None and problem.gravity.acceleration:
         x, up = _WIDE + 1.2, math.copysign(1.0, problem.gravity.acceleration)
         page.arrow(x, up * 0.45, -up * 0.45, "->")
         page.say(x, 0.75, f"{abs(problem.gravity.acceleration):g} m/s2", _DRIVE, "center")
     for load in problem.uniform_loads:
-        start, end = load.start * scale, (problem.line.length if load.to is None else load.to) * scale
-        far, near = _HALF + _ALONG, _HALF
+        ((first, last, _),) = uniform_load_shape(load, problem.line).pieces
+        start, end, y = plan.x(first), plan.x(last), plan.y(first)
+        far, near = y + _HALF + _ALONG, y + _HALF
         tip, tail = (near, far) if load.force_per_length < 0 else (far, near)
         for x in np.linspace(start, end, max(2, round((end - start) / 0.5) + 1)):
             page.arrow(float(x), tip, tail, "->")
@@ -276,17 +383,21 @@ def _said_of_base(problem: Problem) -> str:
     return f"base: {base.kind}"
 
 
-def _draw_positions(page: _Page, problem: Problem, scale: float) -> None:
+def _draw_positions(page: _Page, plan: _Plan) -> None:
     """Draw a line with a tick and a number at every position."""
-    supports, stops = ([it.x for it in problem.structure.supports], [it.x for it in problem.structure.stops])
-    other = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
+    structure, (left, right) = plan.problem.structure, plan.ends
+    at = [*structure.line.edges, *(piece.end for piece in structure.line.pieces)]
+    at += [support.x for support in structure.supports] + [mass.x for mass in structure.masses]
+    at += [x for stop in structure.stops for x, _ in stop.reading]
+    at += [x for link in structure.links for x in (link.first, link.second)]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
-    page.say(_WIDE, _BELOW - 0.42, f"{problem.line.length:g}", GREY, "center")
+    page.say(_WIDE, _BELOW - 0.42, f"{right:g}", GREY, "center")
     page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
-    for place in sorted({0.0, problem.line.length, *supports, *stops, *other}):
-        page.line([place * scale] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
-        if place != problem.line.length:
-            page.say(place * scale, _BELOW - 0.42, f"{place:.4g}", GREY, "center")
+    for place in sorted({plan.along(x) for x in at}):
+        x = (place - left) * plan.scale
+        page.line([x] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)
+        if place != right:
+            page.say(x, _BELOW - 0.42, f"{place:.4g}", GREY, "center")
 
 
 def _number(symbol: str, value: float, unit: str) -> str:

@@ -102,7 +102,8 @@ def plot_spectrum(
     axes = new_axes(height=2.6) if axes is None else axes
     omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
     floor = float(np.max(amplitude)) * 10.0**-DECADES
-    name = f"{label}, x = {place:g} m" if label else f"x = {place:g} m"
+    where = f"x = {history.problem.line.place(place)} m"
+    name = f"{label}, {where}" if label else where
     earlier = [line for line in axes.lines if not str(line.get_label()).startswith(_EXCITATION)]
     colour = COLOURS[len(earlier) % len(COLOURS)]
     if found.periods:
@@ -125,7 +126,7 @@ def most_moved(history: History) -> float:
     If several differ by rounding alone, it is the position farthest from the root.
     """
     _require_duration(history)
-    x = np.linspace(0.0, history.problem.line.length, _STATIONS)
+    x = history.problem.line.grid(_STATIONS)
     swing = np.std(history.displacement(x, times_drawn(history, _FEWEST)), axis=1)
     return float(x[np.flatnonzero(swing >= (1 - TOLERANCE) * np.max(swing))[-1]])
 
@@ -174,7 +175,7 @@ def repeating_periods(history: History) -> tuple[int, float]:
     if omega is None or whole == 0:
         return 0, math.nan
     times = np.maximum(history.end - 2 * math.pi / omega * np.arange(whole + 1), history.start)
-    x = np.linspace(0.0, history.problem.line.length, 7)
+    x = history.problem.line.grid(7)
     period = np.linspace(times[1], times[0], 200)
     off = np.zeros(whole + 1)
     for values, size in (

@@ -10,7 +10,7 @@ import numpy as np
 from lapjoint.answers.series import written
 from lapjoint.errors import InputError
 from lapjoint.figures.text import literal
-from lapjoint.summaries.of_orbit import SUMMARIES
+from lapjoint.summaries.of_orbit import OF_ALL, SUMMARIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,6 +20,8 @@ _NAMES = {
     IMPULSE: "impulse in a period",
     "contact_time": "share of time in contact",
     "contact_rate": "contacts a second",
+    "dissipated_power": "power lost in the stop",
+    "dissipated_power_total": "power lost in all stops",
 }
 _KINDS = {"peak": "largest", "rms": "RMS of"}
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
@@ -61,5 +63,5 @@ def _exponent(dataset: xr.Dataset, variable: str) -> int:
 
 
 def where(dataset: xr.Dataset, variable: str) -> str:
-    """A remark on the place along the beam of a drawable variable; empty for a variable of a stop."""
-    return "" if "stop" in dataset[variable].dims else "where it is largest along the beam"
+    """A remark on the place along the beam of a drawable variable; empty for a variable of stops."""
+    return "" if "stop" in dataset[variable].dims or variable in OF_ALL else "where it is largest along the beam"

@@ -10,10 +10,21 @@ and of the durations.  The durations make a motion of the joint if they solve an
 with the gap function h = sign z - gap of the stop that switches, both values in the contact state of the arc, and the
 duration d.  The divided difference is regular at d = 0, where it is h' = 0: the equation of a graze, a touch at zero
 velocity.  Durations below zero describe no motion of a joint, but the equations still have solutions.
+
+A damped stop that may not pull has two gap functions: its own, and that of its force, which reads z + (c / k) z' in
+place of z; see
+`lapjoint.orbits.watch.rows_of`.  It opens after its force has ended, so that its contact near a graze has two arcs of
+durations p and r, pressing and released, which vanish together.  The equation of its opening is then
+
+    w m_p + (1 - w) m_r = 0,    w = |p| / (|p| + |r|), or 1/2 at p = r = 0,
+
+with the mean rates m of its own gap function over both arcs: for a contact, the change of h over p + r, divided by p +
+r.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol, runtime_checkable
@@ -26,7 +37,11 @@ from lapjoint.problem import FloatArray, Problem
 
 @dataclass(frozen=True)
 class ContactSequence:
-    """The stops that switch, in order of time from the section: ``M`` events between ``M + 1`` arcs."""
+    """The stops that switch, in order of time from the section: ``M`` events between ``M + 1`` arcs.
+
+    A stop k that opens or closes is k, and ~k is a damped stop whose force ends or begins, as in
+    `ContactState.toggled`.
+    """
 
     first: ContactState
     """The contact state at the section."""
@@ -44,8 +59,20 @@ class ContactSequence:
     @cached_property
     def returning(self) -> tuple[bool, ...]:
         """For each of the ``M`` events, whether the previous event was a switch of the same stop."""
-        before = (-1, *self.stops)[:-1]
+        before = (None, *self.stops)[:-1]
         return tuple(stop == other for stop, other in zip(self.stops, before, strict=True))
+
+    @cached_property
+    def joining(self) -> tuple[bool, ...]:
+        """For each of the ``M`` events, whether it opens a damped stop whose touch and whose end of force were the two
+        previous events."""
+        before = zip((None, None, *self.stops), (None, *self.stops), self.stops, strict=False)
+        return tuple(now >= 0 and one == now and two == ~now for one, two, now in before)
+
+
+def image_of(switch: int, twins: Sequence[int]) -> int:
+    """The mirror image of a switch k, or ~k of a force; `twins` are the twins of the stops."""
+    return twins[switch] if switch >= 0 else ~twins[~switch]
 
 
 @dataclass(frozen=True)
@@ -106,8 +133,9 @@ class Arcs(Protocol):
     def motion(self, sequence: ContactSequence, chain: Chain, durations: FloatArray) -> Motion:
         """The displacement at the stops along the arcs of a chain, as sums of exponentials: a segment for each arc.
 
-        The places are the distinct positions of the stops in ascending order; the times of segments count from the
-        section.
+        The places are the distinct positions of the stops in ascending order, and then one for each damped stop, which
+        reads z + (c / k) z'.  The orientation has a row for each stop, and then for the force of each damped stop.  The
+        times of segments count from the section.
         """
 
     def later(self, state: ContactState, start: FloatArray, time: float, duration: float) -> FloatArray:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.compiled_intervals import IndexArray
@@ -34,6 +35,8 @@ class Differences:
     """Difference of the impulses, N s, shape ``(contacts,)``."""
     peak_force: FloatArray
     """Difference of the peak forces, N, shape ``(contacts,)``."""
+    dissipated: FloatArray
+    """Difference of the energies lost in the stops, J, shape ``(contacts,)``."""
 
 
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
@@ -46,15 +49,13 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
     parted = parting(history.contacts, found)
     together = np.arange(len(history.contacts)) < parted
     errors = []
-    for values in (found.start, found.impulse, found.peak_force):
+    for values, dt in ((found.start, 0), (found.impulse, 0), (found.peak_force, 0), (found.dissipated, OF_ENERGY)):
         finite = np.where(np.isfinite(values), values, 0.0)
-        bounds = refinement.bounds(values, np.maximum.accumulate(finite))
+        bounds = refinement.bounds(values, np.maximum.accumulate(finite), dt=dt)
         errors.append(np.where(together, bounds, np.inf))
-    ends = np.array([contact.end for contact in history.contacts])
-    sizes = np.array([(abs(contact.impulse), contact.peak_force) for contact in history.contacts]).reshape(-1, 2)
-    impulses, peaks = ROUNDING * np.maximum.accumulate(sizes).T
-    start, impulse, peak = errors
-    contacts = with_errors(history.contacts, start + ROUNDING * ends, impulse + impulses, peak + peaks)
+    sizes = [(one.end, abs(one.impulse), one.peak_force, abs(one.dissipated)) for one in history.contacts]
+    floors = ROUNDING * np.maximum.accumulate(np.array(sizes).reshape(-1, 4)).T
+    contacts = with_errors(history, *(error + floor for error, floor in zip(errors, floors, strict=True)))
     source = f"compared with {refinement.name}"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
@@ -62,33 +63,34 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
 
 
 def with_errors(
-    contacts: Sequence[Contact], start: FloatArray, impulse: FloatArray, peak: FloatArray
+    history: History, start: FloatArray, impulse: FloatArray, peak: FloatArray, dissipated: FloatArray
 ) -> tuple[Contact, ...]:
-    """Contacts with errors, s, N s and N, (contacts,) each; a contact that is closed at the start has an exact
-    start."""
+    """Contacts with errors, s, N s, N and J, (contacts,) each; a contact that is closed at the start has an exact
+    start, and a stop without damping loses exactly nothing."""
+    damped = [stop.damping > 0 for stop in history.problem.stops]
     return tuple(
         replace(
             contact,
             start_error=0.0 if contact.open_start else float(start[i]),
             impulse_error=float(impulse[i]),
             peak_force_error=float(peak[i]),
+            dissipated_error=float(dissipated[i]) if damped[contact.stop] else 0.0,
         )
-        for i, contact in enumerate(contacts)
+        for i, contact in enumerate(history.contacts)
     )
 
 
 def without_contact_errors(history: History, reason: str) -> History:
-    """A motion with infinite errors of its contacts, because errors cannot be stated for a `reason`."""
-    contacts = tuple(
-        replace(one, start_error=np.inf, impulse_error=np.inf, peak_force_error=np.inf) for one in history.contacts
-    )
+    """A motion whose contacts have infinite errors (but for exact numbers, see `with_errors`), for a `reason`."""
+    unknown = np.full(len(history.contacts), np.inf)
+    contacts = with_errors(history, unknown, unknown, unknown, unknown)
     return replace(history, contacts=contacts, error_source=reason)
 
 
 def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: float | None = None) -> Differences:
     """Differences of contacts from their partners in another motion; times are modulo a `period`, s, if one is
     given."""
-    start, impulse, peak = np.full((3, len(contacts)), np.inf)
+    start, impulse, peak, dissipated = np.full((4, len(contacts)), np.inf)
     for stop in {contact.stop for contact in contacts}:
         own = np.array([i for i, contact in enumerate(contacts) if contact.stop == stop])
         other = [contact for contact in others if contact.stop == stop]
@@ -101,7 +103,8 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
         pairs = [(contacts[i], other[k]) for i, k in zip(own[mutual], partner[mutual], strict=True)]
         impulse[own[mutual]] = [abs(one.impulse - another.impulse) for one, another in pairs]
         peak[own[mutual]] = [abs(one.peak_force - another.peak_force) for one, another in pairs]
-    return Differences(start, impulse, peak)
+        dissipated[own[mutual]] = [abs(one.dissipated - another.dissipated) for one, another in pairs]
+    return Differences(start, impulse, peak, dissipated)
 
 
 def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tuple[IndexArray, FloatArray]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
@@ -52,6 +53,8 @@ class OrbitErrors:
 
     impulses: FloatArray
     """Error of the impulse of each stop per excitation period, N s, shape ``(stops,)``."""
+    dissipated: FloatArray
+    """Error of the energy that each stop takes and keeps per excitation period, J, shape ``(stops,)``."""
     history: History
     """The motion, with the errors of its contacts."""
     source: str
@@ -61,7 +64,7 @@ class OrbitErrors:
 
 
 def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) -> OrbitErrors:
-    """The errors of the impulses and contacts of a stable orbit, of which `history` is one period."""
+    """The errors of the impulses, energies and contacts of a stable orbit, of which `history` is one period."""
     try:
         other = finer()
         half_periods, name = HalfPeriods(other.period_map), other.refinement.name
@@ -75,10 +78,11 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
         return _unknown(history, f"the finer solver gave up: {error}")
     floor = (ROUNDING + (orbit.residual if orbit.residual > RESIDUAL else 0.0)) / (1 - abs(orbit.leading))
     impulses = _impulse_errors(orbit, history, finer_history, other.refinement, floor)
+    energies = _energy_errors(orbit, history, finer_history, other.refinement, floor, impulses)
     source = f"compared with {name}"
     history = _with_contact_errors(history, finer_history, other.refinement, floor)
     comparison = Comparison(finer_history, other.refinement.bounds, floor)
-    return OrbitErrors(impulses, replace(history, error_source=source), source, comparison)
+    return OrbitErrors(impulses, energies, replace(history, error_source=source), source, comparison)
 
 
 def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
@@ -96,8 +100,11 @@ def same_orbit(half_periods: HalfPeriods, orbit: Orbit) -> Orbit | None:
 
 def _unknown(history: History, reason: str) -> OrbitErrors:
     """Infinite errors, with the reason."""
+    unknown = np.full(len(history.problem.stops), np.inf)
+    damped = np.array([stop.damping > 0 for stop in history.problem.stops], dtype=bool)
     return OrbitErrors(
-        np.full(len(history.problem.stops), np.inf),
+        unknown,
+        np.where(damped, unknown, 0.0),
         without_contact_errors(history, reason),
         f"unknown: {reason}",
     )
@@ -114,6 +121,21 @@ def _impulse_errors(orbit: Orbit, history: History, finer: History, refinement: 
     clear = _clear(orbit, history, finer, refinement, np.flatnonzero(~touched).tolist())
     errors[~touched] = np.where(clear, 0.0, np.inf)
     return errors
+
+
+def _energy_errors(
+    orbit: Orbit, history: History, finer: History, refinement: Refinement, floor: float, impulse_errors: FloatArray
+) -> FloatArray:
+    """Errors of the energies lost in the stops per excitation period, J, shape ``(stops,)``; `floor` is relative.
+
+    They are unknown where the error of the impulse is, and 0 of a stop that is certainly not touched.
+    """
+    own, other = (motion.dissipated() / orbit.period_multiple for motion in (history, finer))
+    errors = refinement.bounds(own - other, float(np.abs(own - other).max(initial=0.0)), dt=OF_ENERGY)
+    errors += floor * float(np.abs(own).max(initial=0.0))
+    errors = np.where(np.isfinite(impulse_errors) & (impulse_errors > 0), errors, impulse_errors)
+    damped = np.array([stop.damping > 0 for stop in history.problem.stops], dtype=bool)
+    return np.where(damped, errors, 0.0)
 
 
 def _clear(
@@ -135,14 +157,15 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     period = history.end - history.start
     whole, number = _whole(history)
     found: Differences = differences(whole, _whole(finer)[0], period)
-    start, impulse, peak = (
-        refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)))
-        for values in (found.start, found.impulse, found.peak_force)
+    start, impulse, peak, dissipated = (
+        refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)), dt=dt)
+        for values, dt in ((found.start, 0), (found.impulse, 0), (found.peak_force, 0), (found.dissipated, OF_ENERGY))
     )
     impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
     peak += floor * max((contact.peak_force for contact in whole), default=0.0)
+    dissipated += floor * max((abs(contact.dissipated) for contact in whole), default=0.0)
     start += floor * period
-    contacts = with_errors(history.contacts, start[number], impulse[number], peak[number])
+    contacts = with_errors(history, start[number], impulse[number], peak[number], dissipated[number])
     return replace(history, contacts=contacts)
 
 

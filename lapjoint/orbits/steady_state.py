@@ -90,6 +90,7 @@ def _with_errors(steady: SteadyState, motion: Orbit | Wandering, finer: Callable
         steady,
         history=found.history,
         impulse_errors=found.impulses,
+        dissipated_errors=found.dissipated,
         error_source=found.source,
         comparison=found.comparison,
     )

@@ -132,6 +132,17 @@ def rows_of(stops: Sequence[PlacedStop], twins: Sequence[int] | None = None) -> 
     )
 
 
+def row_of(stops: Sequence[PlacedStop], switch: int) -> int:
+    """The row of `rows_of` of a switch k of a stop, or ~k of its force; see `ContactState.toggled`."""
+    return switch if switch >= 0 else len(stops) + sum(stop.damping > 0 for stop in stops[:~switch])
+
+
+def switches_of(stops: Sequence[PlacedStop]) -> IndexArray:
+    """The switch of each row of `rows_of`, as `ContactState.toggled` takes it, shape ``(P,)``."""
+    damped = np.flatnonzero([stop.damping > 0 for stop in stops])
+    return np.concatenate([np.arange(len(stops)), ~damped])
+
+
 def awake_rows(stops: Sequence[PlacedStop], closed: BoolArray) -> BoolArray:
     """Which rows may switch next, shape ``(S, P)``: a damped stop's force ends or begins while the stop is closed.
 

@@ -16,7 +16,7 @@ LEAST, MOST = 1e-100, 1e100
 """Least and largest value, in SI units, of a quantity that follows from a beam's fields; its square is then finite."""
 NEAREST = 1e-12
 """Distance, divided by the length of the beam, within which two positions may be one, except for rounding."""
-CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
+_CANTILEVER = 1.8751040687119611  # beta L of the first mode of a cantilever: the least root of cosh x cos x = -1
 
 
 class Material(Part):
@@ -110,6 +110,11 @@ class Tube(Part):
 
 
 Section = Annotated[Rectangle | Circle | Tube, Field(discriminator="shape")]
+
+
+def uniform_slowest_bending(EI: float, m: float, length: float) -> float:
+    """Lowest natural angular frequency, rad/s, of a uniform cantilever of EI, N m2, m, kg/m, and a length, m."""
+    return _CANTILEVER**2 * math.sqrt(EI / m) / length**2
 
 
 @dataclass(frozen=True)
@@ -247,7 +252,7 @@ class Beam(Part):
     @property
     def slowest_bending(self) -> float:
         """Lowest natural angular frequency as a uniform cantilever of stiffness `EI` and mass `m`, rad/s."""
-        return CANTILEVER**2 * math.sqrt(self.EI / self.m) / self.length**2
+        return uniform_slowest_bending(self.EI, self.m, self.length)
 
 
 def _described_once(part: Beam | BeamSegment, material: Material | None) -> bool:

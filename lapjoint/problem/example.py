@@ -79,7 +79,7 @@ gap = 1e-3
 stiffness = 1.476e8
 
 [damping]
-kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2; not with masses) or "none"
+kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2) or "none"
 ratio = 0.08                  # of every mode of the current contact state, >= 0; or a list, one per mode
 
 [base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest

@@ -66,6 +66,8 @@ class Forces:
     none."""
     sampled: tuple[SampledForce, ...] = ()
     """Sampled forces: first those of the base, then those of the point loads."""
+    seen: RecordBaseMotion | RandomBaseMotion | None = None
+    """The recorded or random motion of the base, if stops fixed in space see it."""
 
     @property
     def every(self) -> tuple[ConstantForce | HarmonicForce | SampledForce, ...]:
@@ -75,7 +77,7 @@ class Forces:
     @cached_property
     def ramps(self) -> RampBlocks | None:
         """The sampled forces at the knots of all of them; None if there are no sampled forces."""
-        return RampBlocks(self.sampled) if self.sampled else None
+        return RampBlocks(self.sampled, self.seen) if self.sampled else None
 
     @property
     def fastest(self) -> float:
@@ -147,4 +149,7 @@ def forces_of(
         if isinstance(load, RandomLoad):
             sampled.append(RandomForce(place, load.realisation(i), 1.0))
         harmonic += [HarmonicForce(place, w.amplitude, w.angular_frequency, w.phase) for w in load.waves]
-    return Forces(tuple(constant), tuple(harmonic), None if sampled else fundamental, tuple(sampled))
+    seen = base if isinstance(base, RecordBaseMotion | RandomBaseMotion) else None
+    if not any(stop.in_space for stop in structure.stops):
+        seen = None
+    return Forces(tuple(constant), tuple(harmonic), None if sampled else fundamental, tuple(sampled), seen)

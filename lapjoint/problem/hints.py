@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,10 +18,9 @@ from lapjoint.problem.line import Line
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.placing import masses_of
 from lapjoint.problem.static_loads import Gravity
+from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import PlacedStop
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.written import Written
 
 
 @dataclass(frozen=True)
@@ -70,10 +68,10 @@ HARD, SOFT = 1e10, 1e-8
 second the beam hardly feels it."""
 
 
-def hints(problem: Problem) -> tuple[str, ...]:
+def hints(problem: Written, joint: Structure, forces: Forces) -> tuple[str, ...]:
     """A line for each value that looks like a slip of unit: the field, its value, its usual range, and the unit that
     was perhaps meant."""
-    line, stops = problem.line, problem.structure.stops
+    line, stops = joint.line, joint.stops
     found = [
         hint for j, beam in enumerate(line.beams) for hint in _of_beam(f"beams[{j}]" if line.several else "beam", beam)
     ]
@@ -83,7 +81,7 @@ def hints(problem: Problem) -> tuple[str, ...]:
         *_of_masses(masses_of(problem, line), line),
         *_of_gravity(problem.gravity),
         *_of_damping(problem.damping),
-        *_of_excitation(problem.forces, line),
+        *_of_excitation(forces, line),
     )
 
 

@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,9 +25,7 @@ from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.structure import PlacedLink, Structure
 from lapjoint.problem.supports_and_stops import Support
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.written import Written
 
 _SOFTEST, _FIXED = 1e-16, 1e20
 """Least and largest finite stiffness of a support, divided by EI / L^3, or by EI / L if it is torsional.
@@ -45,6 +42,9 @@ _STEEPEST = 1e9
 elements is singular to rounding."""
 _MOST_DAMPED = 1e7
 """Largest damping ratio: a mode's two decay rates then differ by 4e14, of the 1e16 that double precision resolves."""
+_MOST_COUPLING = 1e4
+"""Largest viscous damping, in units of the critical one, that couples the modes: the slowest decay keeps seven digits
+there, and loses two with each factor of ten."""
 _MOST_IN_STOP = 1e4
 """Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
 stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
@@ -52,10 +52,12 @@ _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
 
-def faults_of_size(problem: Problem, joint: Structure) -> Iterator[str]:
-    """A line for each number of a problem, whose structure is `joint`, that is out of its limits; the parts are
-    valid."""
-    line, excitation = joint.line, problem.excitation_parts
+def faults_of_size(
+    problem: Written, joint: Structure, excitation: Mapping[str, AnyBaseMotion | PointLoad]
+) -> Iterator[str]:
+    """A line for each number of a problem, whose structure is `joint`, that is out of its limits; the parts are valid,
+    and those of the excitation are given by their paths."""
+    line = joint.line
     yield from _of_inertia(problem, line)
     for i, stop in enumerate(joint.stops):
         yield from _stated(f"stops[{i}].gap", stop.gap, "m")
@@ -63,7 +65,7 @@ def faults_of_size(problem: Problem, joint: Structure) -> Iterator[str]:
         yield from _stated(f"stops[{i}].damping", stop.damping, "N s/m")
     yield from _of_places(problem, joint)
     yield from _of_stiffness(problem, joint)
-    yield from _of_damping(problem, joint)
+    yield from _of_damping(joint)
     yield from faults_of_excitation(excitation)
     yield from _of_initial_state(problem, line)
 
@@ -106,7 +108,7 @@ def _following(path: str, name: str, value: float, source: str, least: float = 0
     return f"{path}: the {name} comes to {value:g}, and must be {allowed} in SI units; it follows from {source}"
 
 
-def _of_places(problem: Problem, joint: Structure) -> Iterator[str]:
+def _of_places(problem: Written, joint: Structure) -> Iterator[str]:
     """Parts within rounding of the root, and supports within rounding of each other: the messages ask whether a clamp
     was meant."""
     line = joint.line
@@ -133,7 +135,7 @@ def _of_places(problem: Problem, joint: Structure) -> Iterator[str]:
             )
 
 
-def _of_stiffness(problem: Problem, joint: Structure) -> Iterator[str]:
+def _of_stiffness(problem: Written, joint: Structure) -> Iterator[str]:
     """Springs too soft or too stiff, relative to the beams that they touch, for double precision."""
     line = joint.line
     for path, support in supports_of(problem, line):
@@ -173,7 +175,7 @@ def _of_springs(path: str, springs: Support | PlacedLink, beams: Sequence[Beam])
             )
 
 
-def _of_inertia(problem: Problem, line: Line) -> Iterator[str]:
+def _of_inertia(problem: Written, line: Line) -> Iterator[str]:
     """Masses too heavy, and steps or beams too unlike, for double precision to hold slow and fast modes."""
     for path, mass in masses_of(problem, line):
         beam = line.beams[line.beam_at(mass.x)]
@@ -192,7 +194,7 @@ def _of_inertia(problem: Problem, line: Line) -> Iterator[str]:
         if max(values) > _STEEPEST * min(values):
             low, high = (_piece_path(line, values.index(extreme)) for extreme in (min(values), max(values)))
             yield (
-                f"{high}: its {name} is {max(values) / min(values):.2g} times that of {low}; "
+                f"{high}: its {name} is {max(values) / min(values):.2g} times that of {low.removeprefix('beam.')}; "
                 f"allowed are up to {_STEEPEST:g} times"
             )
 
@@ -207,8 +209,8 @@ def _piece_path(line: Line, number: int) -> str:
     raise AssertionError(number)
 
 
-def _of_damping(problem: Problem, joint: Structure) -> Iterator[str]:
-    """Damping too large for double precision to hold the slower of two decay rates, or that couples the modes."""
+def _of_damping(joint: Structure) -> Iterator[str]:
+    """Damping too large for double precision to hold the slower of two decay rates."""
     damping, line = joint.damping, joint.line
     if isinstance(damping, ModalDamping):
         several = isinstance(damping.ratio, tuple)
@@ -217,16 +219,15 @@ def _of_damping(problem: Problem, joint: Structure) -> Iterator[str]:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
     if isinstance(damping, ViscousDamping):
-        if joint.masses or any(piece.inertia != line.pieces[0].inertia for piece in line.pieces):
-            yield (
-                'damping.kind = "viscous": masses, or a mass per length that changes, make this damping couple the '
-                'modes; allowed with them are "modal" and "none"'
-            )
         critical = 2 * line.m * line.slowest_bending
-        if not damping.coefficient <= _MOST_DAMPED * critical:
+        couples = joint.coupling_drag > 0
+        most, beside = (
+            (_MOST_COUPLING, ", where masses or steps of mass couple the modes") if couples else (_MOST_DAMPED, "")
+        )
+        if not damping.coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must be at most {_MOST_DAMPED:g} times the critical "
-                f"damping of the slowest bending, which is {_MOST_DAMPED * critical:.2g} N s/m2"
+                f"damping.coefficient = {damping.coefficient:g}: must be at most {most:g} times the critical "
+                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2{beside}"
             )
 
 
@@ -250,7 +251,7 @@ def _of_record(path: str, record: Record) -> Iterator[str]:
                     yield _following(path, f"largest {name} of the base", reached, "values, unit and the times")
 
 
-def _of_initial_state(problem: Problem, line: Line) -> Iterator[str]:
+def _of_initial_state(problem: Written, line: Line) -> Iterator[str]:
     """Initial shapes that are not finite, or too large."""
     initial = problem.initial
     if isinstance(initial, AtRest | AtEquilibrium):

@@ -99,7 +99,18 @@ class Line:
         return min(beam.slowest_bending for beam in self.beams)
 
     def beam_at(self, x: float) -> int:
-        """The index of the beam at a position on the line, m; of the nearest beam, if the position is on a space."""
+        """The beam at a position.
+
+        Parameters
+        ----------
+        x : float
+            Position on the line, m.
+
+        Returns
+        -------
+        int
+            Its index; that of the nearest beam, if the position is on a space.
+        """
         distances = [max(a - x, x - b, 0.0) for a, b in zip(self.starts, self.ends, strict=True)]
         return distances.index(min(distances))
 
@@ -133,7 +144,18 @@ class Line:
         return float(place)
 
     def fault_of(self, place: float | str) -> tuple[str, str] | None:
-        """The place as a message shows it, and what is wrong with it; None if nothing is."""
+        """What is wrong with a place as a file states it.
+
+        Parameters
+        ----------
+        place : float or str
+            The place, a number of the only beam, and a name and a number of several.
+
+        Returns
+        -------
+        tuple of (str, str), or None
+            The place as a message shows it, and what is wrong with it; None if nothing is.
+        """
         if not isinstance(place, str):
             if self.several:
                 return (
@@ -151,22 +173,79 @@ class Line:
         return None if found[1] <= L else (text, f"lies outside the beam; allowed are 0 to {L:g} m")
 
     def place(self, x: float, digits: int = 6) -> str:
-        """A position on the line, m, as a person writes it: ``1.25``, or ``upper:0.3``."""
+        """A position as a person writes it.
+
+        Parameters
+        ----------
+        x : float
+            Position on the line, m.
+        digits : int
+            Number of significant digits.
+
+        Returns
+        -------
+        str
+            As ``1.25``, or ``upper:0.3`` of several beams.
+        """
         if not self.several:
             return f"{x:.{digits}g}"
         i = self.beam_at(x)
         return f"{self.names[i]}:{x - self.starts[i]:.{digits}g}"
 
     def check(self, x: FloatArray) -> None:
-        """Raise `ValueError` if a position, m, ``(n,)``, lies on no beam."""
+        """Refuse positions that lie on no beam.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions on the line, m.
+
+        Raises
+        ------
+        ValueError
+            If a position lies on no beam.
+        """
         on = np.any([(a <= x) & (x <= b) for a, b in zip(self.starts, self.ends, strict=True)], axis=0)
         if not on.all():
             allowed = " or ".join(f"{a:g} to {b:g} m" for a, b in zip(self.starts, self.ends, strict=True))
             raise ValueError(f"x must lie within the beam, {allowed}")
 
     def grid(self, points: int) -> FloatArray:
-        """Equidistant positions along each beam, m, ``(points,)`` of one beam: `points` on each, both ends included."""
+        """Equidistant positions along each beam.
+
+        Parameters
+        ----------
+        points : int
+            Number of positions on each beam, at least 2; both ends are among them.
+
+        Returns
+        -------
+        FloatArray, shape (beams * points,)
+            Positions on the line, m, ascending.
+        """
         return np.concatenate([np.linspace(a, b, points) for a, b in zip(self.starts, self.ends, strict=True)])
+
+    def own(self, x: FloatArray, beam: int) -> FloatArray:
+        """Which positions are on a beam.
+
+        Parameters
+        ----------
+        x : FloatArray, shape (n,)
+            Positions on the line, m.
+        beam : int
+            Index of the beam.
+
+        Returns
+        -------
+        FloatArray, shape (n,)
+            True for the positions on this beam.
+        """
+        return np.asarray((x >= self.starts[beam]) & (x <= self.ends[beam]))
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Positions of the ends of all beams, m, ascending."""
+        return tuple(x for ends in zip(self.starts, self.ends, strict=True) for x in ends)
 
     def EI_at(self, x: FloatArray) -> FloatArray:
         """Bending stiffness at positions.

@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
-from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, InitialShape, LineShape
+from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, BeamStart, InitialShape, LineShape, SampledShape
 from lapjoint.problem.line import Line
 from lapjoint.problem.links import Link
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.messages import closest, shown
 from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.static_loads import UniformLoad
 from lapjoint.problem.structure import PlacedLink, Structure, structure_of
 from lapjoint.problem.supports_and_stops import PlacedStop, Stop, Support
-
-if TYPE_CHECKING:
-    from lapjoint.problem.problem import Problem
+from lapjoint.problem.written import Written
 
 
-def line_of(problem: Problem) -> Line:
+def line_of(problem: Written) -> Line:
     """The beams of a problem on one axis."""
     return Line(problem.beams or (problem.beam,) if problem.beam is not None else problem.beams)
 
 
-def placed(problem: Problem, line: Line) -> Structure:
+def placed(problem: Written, line: Line) -> Structure:
     """The structure of a problem whose places are right; `line` is that of its beams."""
     return structure_of(
         line,
@@ -37,7 +35,7 @@ def placed(problem: Problem, line: Line) -> Structure:
     )
 
 
-def supports_of(problem: Problem, line: Line) -> list[tuple[str, Support]]:
+def supports_of(problem: Written, line: Line) -> list[tuple[str, Support]]:
     """All supports on the line, each after its path."""
     found = [(f"supports[{i}]", support) for i, support in enumerate(problem.supports)]
     for j, (start, beam) in enumerate(zip(line.starts, problem.beams, strict=bool(problem.beams))):
@@ -47,7 +45,7 @@ def supports_of(problem: Problem, line: Line) -> list[tuple[str, Support]]:
     return found
 
 
-def masses_of(problem: Problem, line: Line) -> list[tuple[str, Mass]]:
+def masses_of(problem: Written, line: Line) -> list[tuple[str, Mass]]:
     """All masses on the line, each after its path."""
     found = [(f"masses[{i}]", mass) for i, mass in enumerate(problem.masses)]
     for j, (start, beam) in enumerate(zip(line.starts, problem.beams, strict=bool(problem.beams))):
@@ -62,7 +60,7 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
     shares = [beam.base_share if isinstance(beam, NamedBeam) else 1.0 for beam in line.beams]
     if stop.between is not None:
         first, second = (line.at(place) for place in stop.between)
-        sign, side = 1, "between"
+        side = "between"
         reading: tuple[tuple[float, float], ...] = ((second, 1.0), (first, -1.0))
         share = shares[line.beam_at(second)] - shares[line.beam_at(first)]
         where = " to ".join(map(line.place, (first, second)))
@@ -70,16 +68,16 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
         assert stop.x is not None
         assert stop.side is not None
         x = float(stop.x) if not line.several and not isinstance(stop.x, str) else line.at(stop.x)
-        sign, side, where = (1 if stop.side == "top" else -1), stop.side, line.place(x)
+        side, where = stop.side, line.place(x)
         reading = ((x, 1.0),)
-        share = shares[line.beam_at(x)] if stop.fixed_to == "space" else 0.0
-    return PlacedStop(sign, reading, share, stop.gap, stop.stiffness, stop.damping, stop.may_pull, where, side)
+        share = shares[line.beam_at(x)] if stop.in_space else 0.0
+    return PlacedStop(stop.sign, reading, share, stop.gap, stop.stiffness, stop.damping, stop.may_pull, where, side)
 
 
 def _placed_link(link: Link, line: Line) -> PlacedLink:
     """A link on the line."""
     first, second = (line.at(place) for place in link.between)
-    return PlacedLink(first, second, link.translational, link.torsional, link.damping)
+    return PlacedLink(first, second, link.translational, link.torsional)
 
 
 def uniform_load_shape(load: UniformLoad, line: Line) -> LoadShape:
@@ -99,7 +97,28 @@ def shape_on_line(initial: AtRest | BeamsStart | InitialShape, line: Line) -> In
     )
 
 
-def place_faults(problem: Problem) -> list[str]:
+def sampled_start(
+    line: Line, x: FloatArray, displacement: FloatArray, velocity: FloatArray
+) -> SampledShape | BeamsStart:
+    """The initial state through samples, ``(n,)`` each, at positions on the line, m, ascending, that include the ends
+    of each beam."""
+    on = [line.own(x, j) for j in range(len(line.beams))]
+    parts = [
+        BeamStart(
+            beam=name,
+            x=tuple((x[here] - start).tolist()),
+            displacement=tuple(displacement[here].tolist()),
+            velocity=tuple(velocity[here].tolist()),
+        )
+        for name, start, here in zip(line.names, line.starts, on, strict=True)
+    ]
+    if line.several:
+        return BeamsStart(beams=tuple(parts))
+    (only,) = parts
+    return SampledShape(x=only.x, displacement=only.displacement, velocity=only.velocity)
+
+
+def place_faults(problem: Written) -> list[str]:
     """A line for each fault of the beams, and of the places of all that is on them."""
     beams = list(_beam_faults(problem))
     if beams:
@@ -109,14 +128,14 @@ def place_faults(problem: Problem) -> list[str]:
     return [*_on_beams(problem, line), *_of_stops(problem, line), *_of_links(problem, line), *of_loads]
 
 
-def can_be_placed(problem: Problem) -> bool:
+def can_be_placed(problem: Written) -> bool:
     """Whether there is one beam, and all places are numbers: the structure then exists even with parts outside."""
     places = [stop.x for stop in problem.stops] + [load.x for load in problem.point_loads]
     numbers = all(isinstance(place, float) for place in places)
     return problem.beam is not None and not problem.beams and not problem.links and numbers
 
 
-def _beam_faults(problem: Problem) -> Iterator[str]:
+def _beam_faults(problem: Written) -> Iterator[str]:
     """Faults of the beams themselves."""
     if (problem.beam is None) == (not problem.beams):
         if problem.beam is None:
@@ -135,7 +154,7 @@ def _beam_faults(problem: Problem) -> Iterator[str]:
         yield "links: connect two beams; there is only one"
 
 
-def _on_beams(problem: Problem, line: Line) -> Iterator[str]:
+def _on_beams(problem: Written, line: Line) -> Iterator[str]:
     """Supports and masses outside their beam."""
     owners: list[tuple[str, float, Sequence[Support], Sequence[Mass]]] = [
         (f"beams[{j}].", beam.length, beam.supports, beam.masses) for j, beam in enumerate(problem.beams)
@@ -147,7 +166,7 @@ def _on_beams(problem: Problem, line: Line) -> Iterator[str]:
                     yield f"{prefix}{group}[{i}].x = {x:g}: lies outside the beam; allowed are 0 to {L:g} m"
 
 
-def _of_stops(problem: Problem, line: Line) -> Iterator[str]:
+def _of_stops(problem: Written, line: Line) -> Iterator[str]:
     """Stops at places that there are not."""
     for i, stop in enumerate(problem.stops):
         if stop.between is not None:
@@ -158,7 +177,7 @@ def _of_stops(problem: Problem, line: Line) -> Iterator[str]:
                 yield f"stops[{i}].x = {fault[0]}: {fault[1]}"
 
 
-def _of_links(problem: Problem, line: Line) -> Iterator[str]:
+def _of_links(problem: Written, line: Line) -> Iterator[str]:
     """Links between places that there are not, or of one beam."""
     for i, link in enumerate(problem.links):
         yield from _between(f"links[{i}]", link.between, line)
@@ -176,7 +195,7 @@ def _between(path: str, between: tuple[float | str, float | str], line: Line) ->
             yield f"{path}.between: both places are on one beam; they must be on different beams"
 
 
-def load_faults(problem: Problem, line: Line) -> Iterator[str]:
+def load_faults(problem: Written, line: Line) -> Iterator[str]:
     """Loads outside their beam, or on none."""
     for i, load in enumerate(problem.point_loads):
         fault = line.fault_of(load.x)
@@ -198,7 +217,7 @@ def load_faults(problem: Problem, line: Line) -> Iterator[str]:
                 yield f"{path}.from = {along.start:g}: must be less than the length of the beam, {L:g} m"
 
 
-def start_faults(problem: Problem, line: Line) -> Iterator[str]:
+def start_faults(problem: Written, line: Line) -> Iterator[str]:
     """Initial states that belong to another number of beams, or to none of them."""
     initial = problem.initial
     if isinstance(initial, BeamsStart):
@@ -222,7 +241,7 @@ def start_faults(problem: Problem, line: Line) -> Iterator[str]:
             yield f"{path}.x: runs from {x[0]:g} to {x[-1]:g}, and must run from 0 to {L:g} m"
 
 
-def names_used_twice(problem: Problem) -> Iterator[str]:
+def names_used_twice(problem: Written) -> Iterator[str]:
     """Stops whose name another stop has."""
     first: dict[str, int] = {}
     for i, name in enumerate(problem.stop_names):
@@ -230,7 +249,7 @@ def names_used_twice(problem: Problem) -> Iterator[str]:
             yield f"stops[{i}].name = {shown(name)}: is the name of stops[{first[name]}] too"
 
 
-def moved_supports(problem: Problem, line: Line, grid_points: int = 101) -> Iterator[str]:
+def moved_supports(problem: Written, line: Line, grid_points: int = 101) -> Iterator[str]:
     """Initial shapes that move or turn a fixed support."""
     if isinstance(problem.initial, AtRest | AtEquilibrium):
         return

@@ -7,6 +7,7 @@ import math
 from lapjoint.problem.beam import Beam, Circle, Material, Rectangle
 from lapjoint.problem.damping import ModalDamping
 from lapjoint.problem.excitation import BaseMotion, StepLoad
+from lapjoint.problem.named_beam import NamedBeam
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.supports_and_stops import Stop, Support
 
@@ -90,5 +91,48 @@ def sdnl104() -> Problem:
     )
 
 
-PRESETS = {"paper": paper_joint, "sdnl104": sdnl104}
+def lap_joint(*, gap: float = 1e-4, play: float = 2e-4, base_amplitude: float = 2e-4) -> Problem:
+    """Two overlapping steel plates, clamped at their far ends and shaken there, with a loose bolt.
+
+    The upper plate is 0.3 m long and 4 mm thick, the lower 0.3 m and 6 mm, and they overlap by 60 mm.  At each end of
+    the overlap is a gap that closes where the plates come together.  The bolt, in the middle, has play, and closes
+    where the plates come apart.  All numbers are an example, and come from no publication.
+
+    Parameters
+    ----------
+    gap : float
+        Gap between the plates at both ends of the overlap, m.
+    play : float
+        Play of the bolt, m.
+    base_amplitude : float
+        Amplitude of the base, m.
+
+    Returns
+    -------
+    Problem
+        Stops in the order left edge, right edge, bolt.
+    """
+    steel = Material(youngs_modulus=2.05e11, density=7850.0)
+
+    def plate(name: str, height: float, origin: float, offset: float, clamped: float) -> NamedBeam:
+        section = Rectangle(breadth=0.04, height=height)
+        supports = (clamp(clamped),)
+        return NamedBeam(
+            name=name, origin=origin, offset=offset, length=0.3, material=steel, section=section, supports=supports
+        )
+
+    return Problem(
+        title="Lap joint of two plates with a loose bolt",
+        beams=(plate("upper", 0.004, 0.0, 0.01, 0.0), plate("lower", 0.006, 0.24, 0.0, 0.3)),
+        stops=(
+            Stop(name="left edge", between=("upper:0.24", "lower:0"), gap=gap, stiffness=2e6),
+            Stop(name="right edge", between=("upper:0.3", "lower:0.06"), gap=gap, stiffness=2e6),
+            Stop(name="bolt", between=("lower:0.03", "upper:0.27"), gap=play, stiffness=2e7),
+        ),
+        damping=ModalDamping(ratio=0.02),
+        base_motion=BaseMotion(amplitude=base_amplitude, angular_frequency=300.0),
+    )
+
+
+PRESETS = {"paper": paper_joint, "sdnl104": sdnl104, "lap": lap_joint}
 """The problems that the command line takes as ``preset:NAME``, by their names."""

@@ -11,7 +11,7 @@ from typing import Any, Literal, Self
 from pydantic import model_validator
 
 from lapjoint.errors import ExcitationWarning, InputError, RecordWarning
-from lapjoint.problem.beam import Beam
+from lapjoint.problem.beam import Beam, uniform_slowest_bending
 from lapjoint.problem.damping import Damping, NoDamping
 from lapjoint.problem.excitation import AnyBaseMotion, BaseMotion, Excitation, PointLoad, StepLoad, Wave
 from lapjoint.problem.forces import ConstantForce, Forces, common_fundamental, forces_of
@@ -63,7 +63,7 @@ class Problem(Part):
     beams: tuple[NamedBeam, ...] = ()
     """Several beams instead of one, each with its supports and masses."""
     links: tuple[Link, ...] = ()
-    """Springs and dampers between two beams."""
+    """Springs between two beams."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()
@@ -89,7 +89,7 @@ class Problem(Part):
         if not faults or can_be_placed(self):
             faults += [
                 *names_used_twice(self),
-                *faults_of_size(self, placed(self, self.line)),
+                *faults_of_size(self, placed(self, self.line), self._excitation),
                 *_base_of_stops_in_space(self),
             ]
         if not faults:
@@ -143,7 +143,7 @@ class Problem(Part):
     @cached_property
     def forces(self) -> Forces:
         """All that drives the beam, as lists of forces that solvers read."""
-        fundamental = common_fundamental(_angular_frequencies(self.excitation_parts).values())
+        fundamental = common_fundamental(_angular_frequencies(self._excitation).values())
         return forces_of(self.structure, self.base_motion, self.point_loads, self.static_loads, fundamental)
 
     @cached_property
@@ -192,7 +192,7 @@ class Problem(Part):
         if self.random:
             path = next(iter(self.random))
             raise InputError(f"{purpose}: {path} is random, and has no period; simulate it, or ask for statistics")
-        found = _angular_frequencies(self.excitation_parts)
+        found = _angular_frequencies(self._excitation)
         there = ", ".join(f"{path}.angular_frequency = {omega:.10g}" for path, omega in found.items())
         if there:
             there += ' (kind = "harmonics" may state a lower one)'
@@ -210,10 +210,10 @@ class Problem(Part):
     @property
     def hints(self) -> tuple[str, ...]:
         """A line for each value that looks like a slip of unit; see `lapjoint.problem.hints`."""
-        return hints(self)
+        return hints(self, self.structure, self.forces)
 
     @property
-    def excitation_parts(self) -> dict[str, AnyBaseMotion | PointLoad]:
+    def _excitation(self) -> dict[str, AnyBaseMotion | PointLoad]:
         """The base motion and the point loads, by their paths."""
         base = {} if self.base_motion is None else {"base_motion": self.base_motion}
         return base | {f"point_loads[{i}]": load for i, load in enumerate(self.point_loads)}
@@ -221,12 +221,12 @@ class Problem(Part):
     @property
     def records(self) -> dict[str, RecordBaseMotion | RecordLoad]:
         """All recorded excitation, by its path."""
-        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RecordBaseMotion | RecordLoad)}
 
     @property
     def random(self) -> dict[str, RandomBaseMotion | RandomLoad]:
         """All random excitation, by its path."""
-        return {path: it for path, it in self.excitation_parts.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
+        return {path: it for path, it in self._excitation.items() if isinstance(it, RandomBaseMotion | RandomLoad)}
 
     def reseeded(self, seed: int) -> Problem:
         """The problem with one seed, 0 or more, in all random parts, which are independent. See `with_seeds`."""
@@ -331,7 +331,7 @@ class Problem(Part):
         parts = Excitation(**kept | changes)
         made = self._driven_by(**{name: getattr(parts, name) for name in changes})
         off = load_faults(made, made.line), _base_of_stops_in_space(made)
-        if any(map(any, off)) or any(faults_of_excitation(made.excitation_parts)):
+        if any(map(any, off)) or any(faults_of_excitation(made._excitation)):
             return self.replace(**changes)  # it is refused there, with all that is wrong
         _warn_of_excitation(made)
         return made
@@ -370,9 +370,20 @@ class Problem(Part):
         return made
 
 
+def require_one_beam(problem: Problem, who: str) -> None:
+    """Raise `InputError` for several beams; `who` says who does what for one beam alone."""
+    if problem.line.several:
+        raise InputError(f"beams: {who} for one [beam], and not for [[beams]]")
+
+
 def resting(structure: Structure, constant: tuple[ConstantForce, ...] = ()) -> Problem:
-    """A structure at rest under constant forces, for all that depends on nothing else; no field of it is written."""
+    """A structure at rest under constant forces, for all that depends on nothing else.
+
+    It has no parts as a file states them: who reads them there, instead of those of the structure, gets an error.
+    """
     made = Problem.model_construct(damping=structure.damping)
+    for name in ("beam", "beams", "supports", "masses", "stops", "links"):
+        vars(made).pop(name, None)
     vars(made).update(structure=structure, line=structure.line, forces=Forces(constant, ()))
     return made
 
@@ -387,14 +398,17 @@ def _angular_frequencies(parts: Mapping[str, AnyBaseMotion | PointLoad]) -> dict
 
 
 def _base_of_stops_in_space(problem: Problem) -> Iterator[str]:
-    """A line if the base does not move as a sum of sines, and a stop is fixed in space, so that its gap sees y(t)."""
+    """A line if stops fixed in space see a displacement that is integrated from a record whose drift is not removed."""
     base = problem.base_motion
+    if not isinstance(base, RecordBaseMotion) or base.quantity == "displacement" or base.remove == "drift":
+        return
     for i, stop in enumerate(problem.stops):
-        if stop.fixed_to == "space" and isinstance(base, Record | Random):
+        if stop.in_space:
             yield (
-                f'stops[{i}].fixed_to = "space": base_motion.kind is "{base.kind}"; with stops fixed in space the base '
-                'may move by a "sine" or "harmonics"'
+                f'stops[{i}].fixed_to = "space": base_motion.remove is "{base.remove}"; a record of {base.quantity} is '
+                'integrated to the displacement that this stop sees, so its drift must go: remove = "drift"'
             )
+            return
 
 
 def _warn_of_excitation(problem: Problem) -> None:
@@ -405,10 +419,23 @@ def _warn_of_excitation(problem: Problem) -> None:
         warnings.warn(line, ExcitationWarning, stacklevel=3)
 
 
+def _slowest_bending(problem: Problem) -> float:
+    """A bound, rad/s, below all bending modes: Dunkerley's, of a cantilever as soft and heavy as any segment, with the
+    masses; several beams are taken in a row, with all masses at the end."""
+    line, structure = problem.line, problem.structure
+    EI, m = min(piece.EI for piece in line.pieces), max(piece.inertia for piece in line.pieces)
+    length = sum(beam.length for beam in line.beams)
+    squares = 1 / uniform_slowest_bending(EI, m, length) ** 2
+    for mass in structure.masses:
+        x = length if line.several else mass.x
+        squares += (mass.mass * x**3 / 3 + mass.rotary_inertia * x) / EI
+    return 1 / math.sqrt(squares)
+
+
 def _too_slow(problem: Problem) -> Iterator[str]:
     """Records with few samples in a period of the slowest bending, which is a cantilever's."""
     for path, record in problem.records.items():
-        slowest = problem.line.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         rate = (record.time.size - 1) / record.duration
         if rate < _SAMPLES_A_PERIOD * slowest:
             yield (
@@ -420,7 +447,7 @@ def _too_slow(problem: Problem) -> Iterator[str]:
 def _too_low(problem: Problem) -> Iterator[str]:
     """Random excitation that ends below the slowest bending."""
     for path, part in problem.random.items():
-        slowest = problem.line.slowest_bending / (2 * math.pi)
+        slowest = _slowest_bending(problem) / (2 * math.pi)
         if part.density.top < slowest:
             yield (
                 f"{path}: its psd ends at {part.density.top:.3g} Hz, and the beam bends at {slowest:.3g} Hz or more: "

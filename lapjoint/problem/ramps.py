@@ -136,6 +136,13 @@ class RandomForce:
         return self.factor * self.realisation.at(t)
 
 
+class SeenBase(Protocol):
+    """A motion y(t) of the base whose acceleration is linear between knots."""
+
+    def at(self, t: FloatArray, derivative: int = 0) -> FloatArray:
+        """y, or its `derivative`-th t-derivative, at times `t`, s, (m,): m, m/s or m/s2."""
+
+
 @dataclass(frozen=True, eq=False)
 class Ramps:
     """A block of several forces that are linear between common knots."""
@@ -146,6 +153,9 @@ class Ramps:
     """The forces at the knots, N or N/m, shape ``(K, R)``."""
     step: float | None = None
     """The time between most knots of all blocks, s; None if it is not known."""
+    base: FloatArray | None = None
+    """Displacement, m, and velocity, m/s, of the base at the knots, shape ``(K, 2)``; None if no stop sees them.  The
+    first force is then minus the acceleration of the base."""
 
     @property
     def end(self) -> float:
@@ -179,8 +189,23 @@ class Ramps:
         At a knot the slope is that of the ramp after the knot.  Before the first knot and after the last, the nearest
         ramp is extended.
         """
-        j = np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2)
+        j = self._before(t)
         return self.force[j] + self.slope[j] * (t - self.time[j])[:, None], self.slope[j]
+
+    def base_at(self, t: FloatArray) -> FloatArray:
+        """Displacement of the base that stops fixed in space see, and three derivatives, at times `t`, s, (m,).
+
+        The shape is (4, m), in m over powers of s; the third derivative jumps at knots, and is that after the knot.
+        """
+        if self.base is None:
+            return np.zeros((4, t.size))
+        j = self._before(t)
+        s, (y, v), a, jerk = t - self.time[j], self.base[j].T, -self.force[j, 0], -self.slope[j, 0]
+        return np.stack([y + s * (v + s * (a / 2 + s * jerk / 6)), v + s * (a + s * jerk / 2), a + s * jerk, jerk])
+
+    def _before(self, t: FloatArray) -> IntArray:
+        """The ramp at each time, from 0 to K - 2, shape ``(m,)``."""
+        return np.asarray(np.clip(np.searchsorted(self.time, t, side="right") - 1, 0, self.time.size - 2))
 
 
 class RampBlocks:
@@ -191,15 +216,17 @@ class RampBlocks:
     time on the edge of two blocks belongs to the second block.
     """
 
-    def __init__(self, forces: tuple[SampledForce, ...]) -> None:
+    def __init__(self, forces: tuple[SampledForce, ...], base: SeenBase | None = None) -> None:
         self.forces = forces
+        self.base = base
+        """The motion of the base that stops fixed in space see; the first force is minus its acceleration."""
         self.end = min(force.end for force in forces)
         """Time at which the first force ends, s; infinite if none does."""
         self._fastest = max((force.rate for force in forces if force.rate is not None), default=None)
         self._block = lru_cache(maxsize=_KEPT)(self._made_block)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return RampBlocks, (self.forces,)
+        return RampBlocks, (self.forces, self.base)
 
     @property
     def rate(self) -> float:
@@ -225,6 +252,14 @@ class RampBlocks:
             force[here], slope[here] = self._block(k).at(t[here])
         return force, slope
 
+    def base_at(self, t: FloatArray) -> FloatArray:
+        """The base that stops fixed in space see, and three derivatives. See `Ramps.base_at`."""
+        number, found = self._numbers(t), np.zeros((4, t.size))
+        for k in np.unique(number).tolist() if self.base is not None else ():
+            here = number == k
+            found[:, here] = self._block(k).base_at(t[here])
+        return found
+
     def _numbers(self, t: FloatArray) -> IntArray:
         """Number of the block that each time is in, shape ``(m,)``."""
         if self._fastest is None:
@@ -249,4 +284,5 @@ class RampBlocks:
         near = _EVEN * (end - start) / time.size  # knots of two forces, a rounding apart
         time = time[np.append(True, np.diff(time) > near)]
         time[-1] = end
-        return Ramps(time, np.stack([force.at(time) for force in self.forces], axis=1), step)
+        base = None if self.base is None else np.stack([self.base.at(time, order) for order in (0, 1)], axis=1)
+        return Ramps(time, np.stack([force.at(time) for force in self.forces], axis=1), step, base)

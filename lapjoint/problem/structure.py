@@ -10,11 +10,12 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from lapjoint.problem.damping import Damping
+from lapjoint.problem.damping import Damping, ViscousDamping
 from lapjoint.problem.line import Line
 from lapjoint.problem.load_shape import LoadShape
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.schema import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop, Support
 
 _HELD = 1e-9
@@ -25,7 +26,7 @@ _KEPT = 64
 
 @dataclass(frozen=True)
 class PlacedLink:
-    """A link on the line of beams: springs and a damper between two positions."""
+    """A link on the line of beams: springs between two positions."""
 
     first: float
     """Position on the line, m."""
@@ -35,8 +36,6 @@ class PlacedLink:
     """Stiffness between the displacements, N/m, from 0 to inf."""
     torsional: float
     """Stiffness between the slopes, N m/rad, from 0 to inf."""
-    damping: float
-    """Viscous damping between the displacements, N s/m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +70,11 @@ class Structure:
         pieces = ((it.start, it.end, shares[line.beam_at(it.start)] * getattr(it, name)) for it in line.pieces)
         return LoadShape(tuple(point for point in points if point[1]), tuple(piece for piece in pieces if piece[2]))
 
+    def base_shares(self, x: FloatArray) -> FloatArray:
+        """How much of the base's motion acts along z at positions on the line, m, ``(n,)``; gives ``(n,)``."""
+        shares = [_share(beam, "base_share") for beam in self.line.beams]
+        return np.array([shares[self.line.beam_at(float(position))] for position in x])
+
     @cached_property
     def free_motions(self) -> int:
         """Number of motions as rigid bodies, 0 to 2 for each beam, that supports and links leave free."""
@@ -84,12 +88,22 @@ class Structure:
         every = 2 * len(line.beams)
         return every - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else every
 
-    def _rigid(self, x: float, derivative: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    def _rigid(self, x: float, derivative: int) -> FloatArray:
         """Displacement, or slope times length, at a position, m, when each beam shifts or turns; ``(2 beams,)``."""
         found, i = np.zeros(2 * len(self.line.beams)), self.line.beam_at(x)
         start, length = self.line.starts[i], self.line.beams[i].length
         found[2 * i : 2 * i + 2] = (0.0, 1.0) if derivative else (1.0, (x - start) / length)
         return found
+
+    @cached_property
+    def coupling_drag(self) -> float:
+        """The viscous coefficient C, N s/m2, where it couples the modes, else 0.
+
+        Its force is proportional to the velocity, and couples no modes, where all inertia is one mass per length.
+        """
+        pieces = self.line.pieces
+        even = not self.masses and all(piece.inertia == pieces[0].inertia for piece in pieces)
+        return self.damping.coefficient if isinstance(self.damping, ViscousDamping) and not even else 0.0
 
     def __reduce__(self) -> tuple[object, ...]:
         return structure_of, (self.line, self.supports, self.stops, self.damping, self.masses, self.links)

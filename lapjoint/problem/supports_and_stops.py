@@ -64,6 +64,16 @@ class Stop(Part):
             raise ValueError(f"{missing}: is missing; a stop has x and side, or between if it is between two beams")
         return self
 
+    @property
+    def sign(self) -> int:
+        """-1 for a bottom stop, else +1: closed where ``sign`` times what the gap sees exceeds the gap."""
+        return -1 if self.side == "bottom" else 1
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the stop is fixed in space, and does not move with the base."""
+        return self.fixed_to == "space"
+
 
 @dataclass(frozen=True)
 class PlacedStop:
@@ -95,18 +105,39 @@ class PlacedStop:
         return self.reading[-1][0]
 
     @property
+    def met(self) -> float:
+        """Position on the line, m, of the beam that comes up to the stop: of two beams the second."""
+        return self.reading[0][0]
+
+    @property
     def shape(self) -> LoadShape:
         """Where a force of size 1 of the stop acts, if it pushes upwards on the beam that the gap sees."""
         return LoadShape(points=self.reading)
 
     def seen(self, shape: Callable[[FloatArray], FloatArray]) -> float:
-        """What the gap sees of a displacement that is a function of the positions, ``(1,)``."""
+        """What the gap sees of a displacement.
+
+        Parameters
+        ----------
+        shape : callable
+            Takes positions on the line, m, shape ``(1,)``, and gives the displacement there, m, of the same shape.
+
+        Returns
+        -------
+        float
+            The sum of the displacements times their factors, m.
+        """
         return float(sum(factor * shape(np.array([x]))[0] for x, factor in self.reading))
 
     @property
     def in_space(self) -> bool:
         """Whether the gap sees motion of the base."""
         return self.base_share != 0
+
+    @property
+    def still(self) -> bool:
+        """Whether the stop moves with the base, as the beam's frame does."""
+        return self.side != "between" and not self.in_space
 
     @property
     def place(self) -> tuple[tuple[tuple[float, float], ...], float]:

@@ -85,7 +85,7 @@ def drawing_of(
                 part, carries = values[rigid]
                 plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
         if len(histories) > 1:
-            root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.problem.line.length, layout.offset, 0.0]
+            root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.longest, layout.offset, 0.0]
             words.append(Word(cut_to(name, LONGEST_NAME), root, "right"))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
     notes = [*(history.solver for history in histories), _scale_note(s, look, histories, pace * step)]
@@ -112,7 +112,7 @@ def drawing_of(
 
 
 def _colour(look: Look, histories: Sequence[History]) -> Colour:
-    sections = all(piece.section for history in histories for piece in history.problem.line.pieces)
+    sections = all(history.problem.line.has_sections for history in histories)
     if look.colour == "stress" and not sections:
         raise InputError("colour = 'stress': the beam has no section; allowed are velocity, moment, displacement")
     return look.colour or ("stress" if sections else "moment")
@@ -121,7 +121,7 @@ def _colour(look: Look, histories: Sequence[History]) -> Colour:
 def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> float:
     """The scale of `look`, or else the largest 1, 2 or 5 times a power of ten within `DEFLECTION` and `PENETRATION`."""
     if look.scale is not None:
-        length = max(layout.problem.line.length for layout in scene.layouts)
+        length = max(layout.longest for layout in scene.layouts)
         largest = max(float(np.abs(carries.point[carried]).max(initial=0.0)) for carries in values)
         if look.scale * largest > FARTHEST * length:
             raise InputError(
@@ -131,7 +131,7 @@ def _scale(look: Look, scene: Scene, values: Sequence[Values], carried: str) -> 
         return look.scale
     limits = [math.inf]
     for (_, part), carries in zip(scene.parts, values, strict=True):
-        length, reach = part.layout.problem.line.length, part.layout.reach
+        length, reach = part.layout.longest, part.layout.reach
         deflection = float(np.abs(carries.point[carried]).max(initial=0.0))
         pressed = float(np.max(carries.cell.get("penetration", np.zeros(1)), initial=0.0))
         limits += [DEFLECTION * length / deflection] if deflection else []
@@ -195,7 +195,7 @@ def _skin(part: Part, values: Values, layout: Layout, shade: _Shade, scale: floa
         field = "velocity_absolute"
     shown = values.point[field]
     colours = shade.factor * np.asarray(shown if shown.ndim == 2 else shown[:, :, 2], dtype=float)
-    return Skin(part.cells, _moved(part, values, scale, carried), colours, layout.problem.line.length / 120)
+    return Skin(part.cells, _moved(part, values, scale, carried), colours, layout.longest / 120)
 
 
 def _springs(part: Part, values: Values, layout: Layout, scale: float, carried: str, acts: IntArray) -> Springs:

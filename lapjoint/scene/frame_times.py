@@ -92,7 +92,7 @@ def _resolved(history: History, start: float, end: float, tolerance: float | Non
     allowed = TOLERANCE if tolerance is None else tolerance
     if not 0 < allowed < 1:
         raise InputError(f"tolerance = {allowed:g}: must be between 0 and 1")
-    x = np.linspace(0.0, history.problem.line.length, _STATIONS)
+    x = history.problem.line.grid(_STATIONS)
 
     def motion(t: FloatArray) -> FloatArray:
         return np.stack([history.displacement(x, t), history.velocity(x, t)])

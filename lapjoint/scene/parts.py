@@ -50,7 +50,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lapjoint.problem import BeamPiece, FloatArray, Support
+from lapjoint.problem import BeamPiece, FloatArray, Line, Support
 from lapjoint.scene.layout import Layout
 from lapjoint.scene.sampled_motion import Sample
 from lapjoint.scene.section_mesh import IntArray, SectionMesh, section_mesh
@@ -123,8 +123,8 @@ class Beam(Part):
 
     @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
-        x = self.layout.stations
-        first = np.arange(x.size - 1)
+        x, on = self.layout.stations, self.layout.beam_of(self.layout.stations)
+        first = np.flatnonzero(on[:-1] == on[1:])
         return self.layout.place(x, 0.0, 0.0), np.column_stack([first, first + 1])
 
     def values(self, sample: Sample) -> Values:
@@ -139,11 +139,13 @@ class Beam(Part):
             "moment": EI * beam["z_xx"],
             "shear": EI * beam["z_xxx"],
         }
-        if all(piece.section for piece in problem.line.pieces):
+        if problem.line.has_sections:
             point["bending_stress"] = -problem.line.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
         force = np.zeros_like(z)
         for stop, station in enumerate(self.layout.at_stops):
             force[:, station] += sample.force[:, stop]
+        for stop, station in self.layout.on_beams:
+            force[:, station] -= sample.force[:, stop]
         return Values(point | {"contact_force": _upwards(force)}, {})
 
 
@@ -183,7 +185,8 @@ class Solid(Part):
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
-        beam, height, (station, ratio) = sample.beam, self.points[:, 2], self._of_points
+        beam, (station, ratio) = sample.beam, self._of_points
+        height = self.points[:, 2] - self.layout.levels(self.layout.stations[station])
         EI = self.layout.problem.line.EI_at(self.layout.stations)
 
         def on_points(values: FloatArray) -> FloatArray:
@@ -215,7 +218,7 @@ class Masses(Part):
         """See `lapjoint.scene.parts.Part.values`."""
         x = np.array([mass.x for mass in self.layout.problem.structure.masses])
         at = np.repeat(np.searchsorted(self.layout.stations, x), len(self.points) // x.size)
-        from_axis = self.points - np.column_stack([self.layout.stations[at], *np.zeros((2, at.size))])
+        from_axis = self.points - self.layout.place(self.layout.stations[at], 0.0, 0.0)
         slope = sample.beam["z_x"][:, at]
         moved = _vectors(sample.beam["z"][:, at] + slope * from_axis[:, 0], -slope * from_axis[:, 2])
         return Values(_displacements(moved, sample), {})
@@ -232,6 +235,7 @@ class Stops(Part):
         """See `lapjoint.scene.parts.Part.values`."""
         stops = self.layout.problem.structure.stops
         feet = sample.gapped * np.array([stop.sign * self.layout.widest_gap(stop.sign) for stop in stops])
+        feet[[stop for stop, _ in self.layout.on_beams]] = 0.0
         moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
         return Values(
@@ -267,31 +271,39 @@ class Base(Part):
     """The base, which shakes the joint: rails above and below, walls at fixed ends, posts under other supports."""
 
     @cached_property
+    def _plates(self) -> list[tuple[float, float, float, float]]:
+        """Each plate: its start along the line and above the beam's axis, m, and its end; first the rails."""
+        layout, structure = self.layout, self.layout.problem.structure
+        line, far = structure.line, layout.half_depth + layout.reach
+        sides = {(line.beam_at(stop.x), stop.sign) for stop in structure.stops if stop.side != "between"}
+        sides |= {(line.beam_at(it.x), -1) for it in structure.supports if not _is_wall(it, line)}
+        plates = [(line.starts[beam], side * far, line.ends[beam], side * far) for beam, side in sorted(sides)]
+        for support in structure.supports:
+            low = -far if _is_wall(support, line) else -layout.half_depth
+            plates.append((support.x, low, support.x, far if _is_wall(support, line) else -far))
+        return plates
+
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
-        layout, problem = self.layout, self.layout.problem
-        L, far = problem.line.length, layout.half_depth + layout.reach
-        posts = any(not _is_wall(support, L) for support in problem.structure.supports)
-        sides = sorted({stop.sign for stop in problem.structure.stops} | ({-1} if posts else set()))
-        plates = [((0.0, side * far), (L, side * far)) for side in sides]
-        for support in problem.structure.supports:
-            if _is_wall(support, L):
-                plates.append(((support.x, -far), (support.x, far)))
-            else:
-                plates.append(((support.x, -layout.half_depth), (support.x, -far)))
-        half = layout.breadth / 2
-        corners = [(x, y, z) for (a, b) in plates for (x, z), y in ((a, -half), (b, -half), (b, half), (a, half))]
+        layout, half = self.layout, self.layout.breadth / 2
+        corners = [
+            (x, y, z)
+            for a, low, b, high in self._plates
+            for x, z, y in ((a, low, -half), (b, high, -half), (b, high, half), (a, low, half))
+        ]
         x, y, z = np.array(corners, dtype=float).reshape(-1, 3).T
-        return layout.place(x, y, z), np.arange(4 * len(plates)).reshape(-1, 4)
+        return layout.place(x, y, z), np.arange(4 * len(self._plates)).reshape(-1, 4)
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`.  The end of a post that holds the beam moves with the beam."""
-        side = np.sign(self.points[:, 2]).astype(int)
+        heights = [z for _, low, _, high in self._plates for z in (low, high, high, low)]
+        side = np.sign(heights).astype(int)
         rails = sample.gapped * np.array([sign * self.layout.widest_gap(sign) for sign in side])
         z = np.tile(rails, (sample.times.size, 1))
-        problem, L = self.layout.problem, self.layout.problem.line.length
-        first = len(self.points) - 4 * len(problem.structure.supports)
-        for i, support in enumerate(problem.structure.supports):
-            if not _is_wall(support, L):
+        structure = self.layout.problem.structure
+        first = len(self.points) - 4 * len(structure.supports)
+        for i, support in enumerate(structure.supports):
+            if not _is_wall(support, structure.line):
                 station = int(np.searchsorted(self.layout.stations, support.x))
                 z[:, [first + 4 * i, first + 4 * i + 3]] = sample.beam["z"][:, [station]]
         return Values(_displacements(_upwards(z), sample), {})
@@ -300,23 +312,29 @@ class Base(Part):
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
     """The parts of a joint: a solid if there are cross-sections, masses, and stops, with their gaps if asked for."""
     problem = layout.problem
-    solid = (Solid(layout),) if all(piece.section for piece in problem.line.pieces) else ()
+    solid = (Solid(layout),) if problem.line.has_sections else ()
     masses = (Masses(layout),) if problem.structure.masses else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.structure.stops else ()
     base = (Base(layout),) if problem.structure.stops or problem.structure.supports else ()
     return (Beam(layout), *solid, *masses, *stops, *base)
 
 
-def _is_wall(support: Support, L: float) -> bool:
-    return support.torsional == np.inf and support.x in (0.0, L)
+def _is_wall(support: Support, line: Line) -> bool:
+    return support.torsional == np.inf and support.x in line.edges
 
 
 def _posts(layout: Layout, length: float) -> tuple[FloatArray, IntArray]:
-    """For each stop a line of `length`, m, that leads from the beam's surface at rest away from the beam."""
-    sign = np.array([stop.sign for stop in layout.problem.structure.stops])
-    x = np.repeat([stop.x for stop in layout.problem.structure.stops], 2)
-    surface = layout.half_depth_at(np.array([stop.x for stop in layout.problem.structure.stops]))
+    """For each stop a line of `length`, m, that leads from the beam's surface at rest away from the beam; of a stop
+    between two beams to the surface of the first."""
+    stops = layout.problem.structure.stops
+    sign = np.array([stop.sign for stop in stops])
+    seen = np.array([stop.reading[0][0] for stop in stops])
+    surface = layout.half_depth_at(seen)
+    x = np.repeat(seen, 2)
     z = np.column_stack([sign * surface, sign * np.where(length, layout.half_depth + length, surface)]).ravel()
+    for k, station in layout.on_beams if length else ():
+        x[2 * k + 1] = layout.stations[station]
+        z[2 * k + 1] = -layout.half_depth_at(layout.stations[[station]])[0]
     return layout.place(x, np.repeat(layout.across, 2), z), np.arange(x.size, dtype=np.int64).reshape(-1, 2)
 
 

@@ -173,7 +173,7 @@ def _telling_time(history: History, start: float, end: float) -> float:
         times = np.linspace(max(hardest.start, start), min(hardest.end, end), 401)
         return float(times[_first_largest(np.abs(history.contact_force(times)).sum(axis=0))])
     times = np.linspace(start, end, 2001)
-    x = np.linspace(0.0, history.problem.line.length, 9)
+    x = history.problem.line.grid(9)
     return float(times[_first_largest(np.abs(history.displacement(x, times)).max(axis=0))])
 
 

@@ -39,7 +39,8 @@ class Sample:
     whole: dict[str, FloatArray | IntArray]
     """Values of the whole joint by name, each of shape ``(m,)``."""
     moved: FloatArray
-    """Displacement of each stop relative to the base, m, shape ``(m, s)``: -y for a stop fixed in space, else 0."""
+    """Displacement of what carries each stop, relative to the base, m, shape ``(m, s)``: 0 of the base, -y of a stop
+    fixed in space, and that of the first beam of a stop between two."""
     gapped: bool = True
     """Whether stops have gaps; in mode shapes they have none."""
 
@@ -88,6 +89,8 @@ class Motion:
         closed = np.array([[i in state for i in range(len(stops))] for state in states], dtype=np.int64)
         closed = closed.reshape(times.size, len(stops))
         moved = -history.base_of_stops(times).T
+        for stop, station in layout.on_beams:
+            moved[:, stop] += beam["z"][:, station]
         faces = np.where(closed, beam["z"][:, layout.at_stops], moved + [stop.sign * stop.gap for stop in stops])
         whole = _closed_stops(closed)
         if is_paper_joint(history.problem):
@@ -112,10 +115,12 @@ class ModeSeries:
         stops, still = self.problem.structure.stops, np.zeros((2, here.size))
         closed = np.tile([int(i in self.modes.state) for i in range(len(stops))], (here.size, 1)).astype(np.int64)
         faces = closed * beam["z"][:, layout.at_stops]
-        force = -np.array([stop.stiffness for stop in stops]) * faces
+        moved = np.zeros(faces.shape)
+        for stop, station in layout.on_beams:
+            moved[:, stop] = beam["z"][:, station]
+        force = -np.array([stop.stiffness for stop in stops]) * closed * (faces - moved)
         whole = {"angular_frequency": self.modes.angular_frequencies[here], **_closed_stops(closed)}
-        unmoved = np.zeros(faces.shape)
-        return Sample(np.asarray(times, dtype=float), beam, still, faces, force, closed, whole, unmoved, gapped=False)
+        return Sample(np.asarray(times, dtype=float), beam, still, faces, force, closed, whole, moved, gapped=False)
 
 
 def _closed_stops(closed: IntArray) -> dict[str, FloatArray | IntArray]:

@@ -50,7 +50,7 @@ class Scene:
         found: list[Layout] = []
         pressed = max(source.pressed for _, source in self.sources)
         for _, source in self.sources:
-            wide = max(source.problem.line.length / 15, found[-1].breadth) if found else 0.0
+            wide = max(max(beam.length for beam in source.problem.line.beams) / 15, found[-1].breadth) if found else 0.0
             offset = found[-1].offset - (APART + 1) * wide if found else 0.0
             found.append(Layout(source.problem, self.points, offset, pressed))
         return tuple(found)

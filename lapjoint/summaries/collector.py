@@ -12,6 +12,9 @@ of a quantity that varies more slowly than the sampling is exact.  A peak of a f
 so that the result is a lower bound.
 
 **Contacts** are counted once, in the unit in which they begin, even if the end of a stretch cuts them.
+
+**Energies** lost in damped stops belong to the unit in which they are lost, also those of a contact that lasts through
+several units.
 """
 
 from __future__ import annotations
@@ -19,9 +22,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
+from lapjoint.answers.dissipation import Span, energies_lost
 from lapjoint.answers.history import Contact, History
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.distributions import bins_of
@@ -70,6 +75,7 @@ class Collector:
     def take(self, history: History) -> None:
         """Add a stretch, which begins where the last one ended."""
         self._take_contacts(history)
+        self._take_energies(history)
         for unit in range(self._unit_of(history.start), self._unit_of(history.end) + 1):
             lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
             if lo < hi:
@@ -182,6 +188,25 @@ class Collector:
         for k, values in enumerate(columns[: len(OF_CONTACTS)]):
             np.add.at(sums.counts[:, :, k], (unit, stop, bins_of(values[whole])), 1)
             np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
+
+    def _take_energies(self, history: History) -> None:
+        """Add the energies lost in a stretch; of a contact that lasts beyond an edge of a unit, each part by itself."""
+        parts: list[list[Span]] = [[] for _ in range(self._stops)]
+        for one in history.contacts:
+            if one.dissipated:
+                inside = self._edges[(self._edges > one.start) & (self._edges < one.end)].tolist()
+                for a, b in pairwise([one.start, *inside, one.end] if inside else ()):
+                    parts[one.stop].append(Span(a, b, a > one.start or one.open_start, b < one.end or one.open_end))
+                if not inside:
+                    self._add_energy(one.stop, one.start, one.dissipated)
+        for stop, spans in enumerate(parts):
+            for span, lost in zip(spans, energies_lost(history, stop, spans) if spans else (), strict=True):
+                self._add_energy(stop, span.start, lost)
+
+    def _add_energy(self, stop: int, start: float, lost: float) -> None:
+        """Add an energy, J, that a stop took from a time on, s."""
+        if self._edges[0] <= start < self._edges[-1]:
+            self.sums.dissipated[self._unit_of(start), stop] += lost
 
     def _add_time(self, stop: IndexArray, start: FloatArray, end: FloatArray) -> None:
         """Add the time in contact of contacts that start and end, s, within the units."""

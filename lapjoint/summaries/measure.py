@@ -10,6 +10,7 @@ import numpy as np
 
 from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
+from lapjoint.answers.modes import Modes
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.solver import Progress, Solver, Streams
@@ -36,6 +37,8 @@ MOST_SAMPLES = 1e10
 """Largest number of samples of a motion, which takes a day to compute."""
 _MODES = 8
 """Number of the lowest modes of the free joint among which the mode with the slowest decay is found."""
+_PANELS, _NODES = 16, 8
+"""Panels of the beam, and Gauss points in each, for products of these modes: ten digits."""
 
 
 @dataclass(frozen=True)
@@ -125,27 +128,42 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 if there is none.
 
     The lowest modes are enough: higher modes do not decay more slowly under viscous damping, or modal damping of one
-    ratio.
+    ratio.  Where viscous damping couples the modes, the rates are those of the lowest modes together.
     """
-    omega = _lowest_modes(problem, solver)
+    modes = _lowest_modes(problem, solver)
+    omega = np.asarray(modes.angular_frequencies, dtype=float)
     damping, bends = problem.damping, np.arange(omega.size) >= problem.structure.free_motions
     if isinstance(damping, ModalDamping):
-        rates = damping.ratios(omega.size) * omega
+        rates = (damping.ratios(omega.size) * omega)[bends]
+    elif problem.structure.coupling_drag > 0:
+        rates = _coupled_rates(problem, modes)
     elif isinstance(damping, ViscousDamping):
         half = damping.coefficient / (2 * problem.line.m)
-        rates = half - np.sqrt(np.maximum(half**2 - omega**2, 0.0))
+        rates = (half - np.sqrt(np.maximum(half**2 - omega**2, 0.0)))[bends]
     else:
         rates = np.zeros(omega.size)
-    slow = rates[bends & (rates > 0)]
+    slow = rates[rates > 0]
     return float(omega[bends].min()), float(slow.min()) if slow.size else 0.0
 
 
-def _lowest_modes(problem: Problem, solver: Solver) -> FloatArray:
-    """Angular frequencies of the lowest modes, rad/s: `_MODES` of them, or all modes of a coarse solver if it has
-    fewer."""
+def _coupled_rates(problem: Problem, modes: Modes) -> FloatArray:
+    """Rates of decay, 1/s, of modes that viscous damping couples, but for rigid-body motions at rest."""
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    edges = problem.line.grid(_PANELS + 1)
+    edges = np.union1d(edges, [piece.end for piece in problem.line.pieces])
+    half = np.diff(edges)[:, None] / 2
+    shapes = modes.shapes((edges[:-1, None] + half * (1 + nodes)).ravel())
+    D = problem.structure.coupling_drag * (shapes * (half * weights).ravel()) @ shapes.T
+    turn, n = np.diag(modes.angular_frequencies), D.shape[0]
+    roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), turn], [-turn, -D]]))
+    return np.asarray(-roots[np.argsort(np.abs(roots))[problem.structure.free_motions :]].real)
+
+
+def _lowest_modes(problem: Problem, solver: Solver) -> Modes:
+    """The lowest modes: `_MODES` of them, or all modes of a coarse solver if it has fewer."""
     for count in (_MODES, _MODES // 2, _MODES // 4):
         try:
-            return np.asarray(solver.modes(problem, FREE, count).angular_frequencies, dtype=float)
+            return solver.modes(problem, FREE, count)
         except InputError:
             continue
-    return np.asarray(solver.modes(problem, FREE, 1).angular_frequencies, dtype=float)
+    return solver.modes(problem, FREE, 1)

@@ -1,4 +1,4 @@
-"""Peaks, root mean squares and contact times of a steady state, with their numerical errors.
+"""Peaks, root mean squares, contact times and dissipated powers of a steady state, with their numerical errors.
 
 A periodic motion is sampled over one period, by Gauss's rule on short parts between consecutive switches, `PER_PERIOD`
 samples in a period of the fastest mode but at most `MOST` in all, and again around the largest samples.  Errors follow
@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.steady_state import SteadyState
@@ -45,9 +46,12 @@ OF_STOPS = {
     "force_rms": ("N", "root mean square of the force of the stop"),
     "contact_time": ("1", "share of time in contact"),
     "contact_rate": ("s-1", "contacts a second"),
+    "dissipated_power": ("W", "energy that the stop takes and keeps a second"),
 }
 """Values of each stop: unit and meaning."""
-SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS)
+OF_ALL = {"dissipated_power_total": ("W", "energy that all stops take and keep a second")}
+"""Values of all stops together: unit and meaning."""
+SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS, *OF_ALL)
 """Names of all values of a summary."""
 
 
@@ -59,7 +63,7 @@ class OrbitSummary:
     """Quantities and places."""
     values: dict[str, FloatArray]
     """By name: ``<quantity>_peak`` and ``<quantity>_rms``, shape ``(X,)``, in the quantity's unit; `OF_STOPS`,
-    ``(S,)``."""
+    ``(S,)``; `OF_ALL`, ``(1,)``."""
     errors: dict[str, FloatArray] | None
     """Estimates of the numerical errors of `values`; infinite where no error can be stated, None if none were
     estimated."""
@@ -75,7 +79,7 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 def quantities_of(names: Sequence[str]) -> list[str]:
     """The quantities of the beam that some names of values need."""
-    return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS))
+    return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS | OF_ALL))
 
 
 def summarise(
@@ -114,18 +118,22 @@ def summarise(
     if other is None:
         return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
     finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
-    orders = {one.name: (one.dx, one.dt) for one in what.quantities}
+    orders = {one.name: (one.dx, one.dt) for one in what.quantities} | {"dissipated": (0, OF_ENERGY)}
     unknown = ~np.isfinite(steady.impulse_errors)
+    damped = np.array([stop.damping > 0 for stop in steady.problem.stops], dtype=bool)
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
-        dx, dt = orders.get(name.rpartition("_")[0], (0, 0))  # values of stops have no derivatives
+        dx, dt = orders.get(name.removesuffix("_total").rpartition("_")[0], (0, 0))  # forces and times have none
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
-        if name in OF_STOPS:
+        if name in OF_ALL:
+            errors[name][np.any(unknown & damped)] = math.inf
+        elif name in OF_STOPS:
             errors[name][unknown] = math.inf
         else:
             errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # both fulfil a condition, e.g. of a free end
+    errors["dissipated_power"][~damped] = 0.0
     return OrbitSummary(what, means, errors)
 
 
@@ -169,12 +177,13 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
             keep_largest(values, t[here], peaks[p], when[p])
         _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
     duration = np.diff(edges)[:, None]
-    time, count = np.zeros((periods, S)), np.zeros((periods, S))
+    time, count, lost = np.zeros((3, periods, S))
     for contact in history.contacts:
         p = int(np.clip(np.searchsorted(edges, contact.start, side="right") - 1, 0, periods - 1))
         time[p, contact.stop] += contact.duration
         force_peak[p, contact.stop] = max(force_peak[p, contact.stop], contact.peak_force)
         count[p, contact.stop] += not contact.open_start
+        lost[p, contact.stop] += contact.dissipated
     nothing = is_rounding(peaks.max(axis=0))
     peaks[:, nothing], squares[:, nothing] = 0.0, 0.0
     found = {}
@@ -183,6 +192,8 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
         found[f"{one.name}_rms"] = np.sqrt(squares[:, q] / duration)
     found["force_peak"], found["force_rms"] = force_peak, np.sqrt(force_squares / duration)
     found["contact_time"], found["contact_rate"] = time / duration, count / duration
+    found["dissipated_power"] = lost / duration
+    found["dissipated_power_total"] = found["dissipated_power"].sum(axis=1, keepdims=True)
     return found
 
 

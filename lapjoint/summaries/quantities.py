@@ -13,6 +13,7 @@ from lapjoint.answers.history import History, penetration_of
 from lapjoint.answers.quantities import QUANTITIES, Quantity, checked_quantities
 from lapjoint.answers.series import places_of
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.supports_and_stops import readings
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -39,9 +40,10 @@ class Selection:
     def x(self) -> FloatArray:
         """All places, with stops, masses and steps of the beam, m, ascending, shape ``(X,)``."""
         problem = self.problem
-        parts = [stop.x for stop in problem.structure.stops] + [mass.x for mass in problem.structure.masses]
+        parts = [x for stop in problem.structure.stops for x, _ in stop.reading]
+        parts += [mass.x for mass in problem.structure.masses]
         parts += [piece.end for piece in problem.line.pieces]
-        return np.unique(np.concatenate([self.places, parts, np.linspace(0.0, problem.line.length, STATIONS)]))
+        return np.unique(np.concatenate([self.places, parts, problem.line.grid(STATIONS)]))
 
     @cached_property
     def asked(self) -> IndexArray:
@@ -60,11 +62,18 @@ class Selection:
         return tuple(one.factor(self.problem, self.x) for one in self.quantities)
 
     @cached_property
-    def _stops(self) -> tuple[IndexArray, FloatArray]:
-        """Of the stops: where in `x` they are, shape ``(S,)``; sign times stiffness, N/m, ``(S, 1)``."""
+    def _shares(self) -> FloatArray:
+        """How much of the base's motion acts along z at `x`, ``(X,)``."""
+        return self.problem.structure.base_shares(self.x)
+
+    @cached_property
+    def _stops(self) -> tuple[IndexArray, FloatArray, FloatArray]:
+        """Of the stops: which of `x` they see, shape ``(n,)``; the factors, ``(S, n)``; sign times stiffness, N/m,
+        ``(S, 1)``."""
         stops = self.problem.structure.stops
         signed = np.array([[stop.sign * stop.stiffness] for stop in stops], dtype=float).reshape(-1, 1)
-        return np.searchsorted(self.x, [stop.x for stop in stops]), signed
+        x, seen = readings(stops)
+        return np.searchsorted(self.x, x), seen, signed
 
     def values(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
         """The quantities at all places, (Q, X, m), and the stops' forces, N, upwards, (S, m), at times, s, (m,)."""
@@ -73,9 +82,9 @@ class Selection:
         for row, one, factor in zip(result, self.quantities, self.factors, strict=True):
             np.multiply(found[one.dx, one.dt], factor, out=row)
             if one.absolute:
-                row += history.base(t, one.dt)
-        at, signed = self._stops
-        seen = found[0, 0][at] + history.base_of_stops(t)
+                row += np.outer(self._shares, history.base(t, one.dt))
+        at, factors, signed = self._stops
+        seen = factors @ found[0, 0][at] + history.base_of_stops(t)
         return result, -signed * np.maximum(penetration_of(self.problem, seen), 0.0)
 
 
@@ -100,7 +109,7 @@ def selection(
 ) -> Selection:
     """Quantities, by default the `DEFAULT` ones that the problem has, and places, by default stops and free ends."""
     if quantities is None:
-        names = [name for name in DEFAULT if name != "stress" or all(piece.section for piece in problem.line.pieces)]
+        names = [name for name in DEFAULT if name != "stress" or problem.line.has_sections]
     else:
         names = checked_quantities(problem, quantities, QUANTITIES)
     return Selection(problem, tuple(QUANTITIES[name] for name in names), tuple(places_of(problem, at)))

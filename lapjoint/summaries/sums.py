@@ -44,6 +44,8 @@ class Sums:
     """Time in contact, s, shape ``(U, S)``."""
     impulse: FloatArray
     """Sum of the impulses of the contacts that begin, N s, top positive, shape ``(U, S)``."""
+    dissipated: FloatArray
+    """Energy that the stops take and keep, J, shape ``(U, S)``."""
     largest: FloatArray
     """Largest value of each of `OF_CONTACTS`, shape ``(U, S, 4)``."""
     counts: CountArray
@@ -63,6 +65,7 @@ class Sums:
             np.zeros(of_stops),
             np.zeros(of_stops),
             np.zeros(of_stops, dtype=np.int64),
+            np.zeros(of_stops),
             np.zeros(of_stops),
             np.zeros(of_stops),
             np.zeros((*of_stops, len(OF_CONTACTS))),

@@ -4,7 +4,8 @@
   the largest in a unit).  All but velocities and accelerations, whose means vanish in a stationary motion, have
   ``*_mean``.
 - Each stop has, over ``stop``, ``force_rms``, ``force_peak``, ``force_maximum``, ``impulse_rate`` (the mean force),
-  ``contact_rate`` and ``contact_time`` (the fraction of time in contact).
+  ``contact_rate``, ``contact_time`` (the fraction of time in contact) and ``dissipated_power`` (what a damped stop
+  takes and keeps); ``dissipated_power_total`` is that of all stops together.
 - Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``: the number of contacts a second that
   reach or exceed the lower edge of a bin.
 
@@ -16,7 +17,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
+from lapjoint.answers.series import place_coordinates
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
 from lapjoint.summaries.distributions import edges
@@ -45,7 +48,8 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
     """The dataset of statistics, without its problem and solver: values and intervals."""
     import xarray as xr
 
-    variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums), **_distributions(sums)}
+    damped = np.array([stop.damping > 0 for stop in what.selection.problem.stops], dtype=bool)
+    variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums, damped), **_distributions(sums)}
     return xr.Dataset(variables, coords=_coordinates(what), attrs=_attributes(what, sums))
 
 
@@ -84,8 +88,7 @@ def _correlation(sums: Sums, realisations: int) -> float:
 def _coordinates(what: Measure) -> dict[str, Variable]:
     asked = np.isin(np.arange(what.selection.x.size), what.selection.asked)
     names = np.array(what.selection.problem.stop_names, dtype=object)
-    return {
-        "x": (("x",), what.selection.x, {"units": "m", "long_name": "position from the root"}),
+    return place_coordinates(what.selection.problem, what.selection.x) | {
         "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
         "stop_name": (("stop",), names, {"long_name": "name of the stop"}),
         "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
@@ -157,7 +160,8 @@ def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) 
     )
 
 
-def _of_stops(sums: Sums) -> dict[str, Variable]:
+def _of_stops(sums: Sums, damped: npt.NDArray[np.bool_]) -> dict[str, Variable]:
+    """Values of the stops, of which some are `damped`, ``(S,)``."""
     number, here, T = sums.samples[:, None], ("stop",), sums.duration
     squares = sums.force_squares / number
     text = "force of the stop"
@@ -181,10 +185,20 @@ def _of_stops(sums: Sums) -> dict[str, Variable]:
     found |= _valued(
         "impulse_rate", here, impulse.mean(axis=0), _signed(impulse), "N", "impulse a second; top positive"
     )
+    power = sums.dissipated / T
+    text = "energy that the stop takes and keeps a second"
+    found |= _valued("dissipated_power", here, power.mean(axis=0), intervals.of_positive_mean(power), "W", text)
     never = counts.sum(axis=0) == 0
     for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
         found[f"{name}_interval"][1][never] = [0.0, np.inf]  # without any contact, the value is unknown
-    return found
+    total = power.sum(axis=1)
+    ends = intervals.of_positive_mean(total)
+    untouched = damped & (share.sum(axis=0) == 0)
+    found["dissipated_power_interval"][1][untouched] = [0.0, np.inf]
+    if np.any(damped) and np.array_equal(untouched, damped):
+        ends = np.array([0.0, np.inf])
+    text = "energy that all stops take and keep a second"
+    return found | _valued("dissipated_power_total", (), total.mean(axis=0), ends, "W", text)
 
 
 def _signed(units: FloatArray) -> FloatArray:

@@ -13,7 +13,8 @@ from lapjoint import Beam, InputError, Problem, Stop, Support
 from lapjoint.answers import Equilibrium
 from lapjoint.problem.static_loads import UniformLoad
 from lapjoint.solver import Rests
-from tests.helpers.static_joints import DIGITS, Witness, by_quadratic_program, random_joint
+from tests.helpers.random_joints import resting_joint
+from tests.helpers.static_joints import DIGITS, Witness, by_quadratic_program
 
 SOLVER = Solver()
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
@@ -163,7 +164,7 @@ def test_the_solver_rests() -> None:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_joints_rest_as_elements_of_fifty_digits_say(seed: int) -> None:
-    problem = random_joint(np.random.default_rng(seed))
+    problem = resting_joint(np.random.default_rng(seed))
     check_witnessed(problem)
     check_balanced(SOLVER.equilibrium(problem))
 
@@ -173,7 +174,7 @@ def test_pressing_stops_of_500_random_joints_are_those_of_a_quadratic_program() 
     rng = np.random.default_rng(4801)
     pressing = 0
     for _ in range(500):
-        problem = random_joint(rng)
+        problem = resting_joint(rng)
         check_witnessed(problem)
         found = SOLVER.equilibrium(problem)
         check_balanced(found)
@@ -187,7 +188,7 @@ def test_500_random_loose_joints_rest_or_have_a_motion_that_nothing_resists() ->
     rng = np.random.default_rng(4802)
     rested = 0
     for _ in range(500):
-        problem = random_joint(rng, held=False)
+        problem = resting_joint(rng, held=False)
         try:
             found = SOLVER.equilibrium(problem)
         except InputError as error:

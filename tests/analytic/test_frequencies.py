@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from analytic.modes.characteristic_equation import Layout, characteristic, count_below, frequencies, layout_of
 from lapjoint import Beam, Problem, Support
-from tests.helpers.dynamic_stiffness import dynamic_stiffness_count
+from tests.helpers.exact_beams import ExactBeam
 
 DIGITS = 50
 
@@ -41,7 +41,7 @@ def layouts(draw: st.DrawFn) -> Layout:
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(layouts())
 def test_frequencies_hold_twelve_digits_and_none_is_missed(layout: Layout) -> None:
-    roots = frequencies(layout, 12)
+    roots, exact = frequencies(layout, 12), ExactBeam.of_layout(layout)
     with mp.workdps(DIGITS):
         for i, root in enumerate(roots):
             if root == 0:
@@ -49,8 +49,8 @@ def test_frequencies_hold_twelve_digits_and_none_is_missed(layout: Layout) -> No
             # omega = z^2: 1e-12 of the frequency is 5e-13 of z.  At most i roots below, at least i + 1 above:
             # the i-th root, counted from 0, lies between, and no root has been passed over.
             below, above = mp.mpf(float(root)) * (1 - mp.mpf(5e-13)), mp.mpf(float(root)) * (1 + mp.mpf(5e-13))
-            assert dynamic_stiffness_count(layout, below) <= i
-            assert dynamic_stiffness_count(layout, above) >= i + 1
+            assert exact.pivots(below**2)[0] <= i
+            assert exact.pivots(above**2)[0] >= i + 1
     assert np.count_nonzero(roots == 0) == layout.rigid_modes()
 
 
@@ -58,7 +58,7 @@ def test_frequencies_hold_twelve_digits_and_none_is_missed(layout: Layout) -> No
 @given(layouts(), st.floats(0.3, 60.0))
 def test_count_by_signs_agrees_with_the_dynamic_stiffness_in_fifty_digits(layout: Layout, z: float) -> None:
     with mp.workdps(DIGITS):
-        expected = dynamic_stiffness_count(layout, mp.mpf(z))
+        expected = ExactBeam.of_layout(layout).pivots(mp.mpf(z) ** 2)[0]
     assert count_below(layout, np.array([z]))[0] == expected
 
 

@@ -22,7 +22,7 @@ from analytic.modes.normal_modes import (
 )
 from lapjoint import FREE, Beam, ContactState, Problem, Stop, Support
 from lapjoint.errors import SolverError
-from tests.helpers.dynamic_stiffness import dynamic_stiffness_count
+from tests.helpers.exact_beams import ExactBeam
 
 MODES = 40
 DIGITS = 60
@@ -68,15 +68,16 @@ def many_supports(seed: int, most: int) -> tuple[Problem, ContactState]:
 
 def assert_modes_are_right(problem: Problem, state: ContactState, judged: list[int]) -> None:
     layout, z = layout_of(problem, state.closed), frequencies(layout_of(problem, state.closed), MODES)
+    exact = ExactBeam.of_layout(layout)
     with mp.workdps(DIGITS):
         for i in judged:
             if z[i] > 0:
                 # 5e-13 of z is 1e-12 of the frequency; see `test_frequencies`.
-                assert dynamic_stiffness_count(layout, mp.mpf(float(z[i])) * (1 - mp.mpf(5e-13))) <= i
-                assert dynamic_stiffness_count(layout, mp.mpf(float(z[i])) * (1 + mp.mpf(5e-13))) > i
+                assert exact.pivots((mp.mpf(float(z[i])) * (1 - mp.mpf(5e-13))) ** 2)[0] <= i
+                assert exact.pivots((mp.mpf(float(z[i])) * (1 + mp.mpf(5e-13))) ** 2)[0] > i
     modes = exact_modes(problem, state, MODES)
     np.testing.assert_allclose(modes.omega, (z / problem.beam.length) ** 2, rtol=1e-13)
-    products = gram(modes.shapes, modes.shapes, inertia_of(problem.beam))
+    products = gram(modes.shapes, modes.shapes, inertia_of(problem.line))
     # Frequencies that agree to 1e-12 have shapes that hold the rest of sixteen digits only together.
     np.testing.assert_allclose(products, np.eye(MODES), atol=1e-9)
     # Twenty points integrate the few half waves that a 40th of the beam holds to rounding.
@@ -151,7 +152,7 @@ def test_clamped_spans_that_are_alike_have_as_many_modes_of_one_frequency(spans:
         np.sqrt(modes.omega), np.repeat([4.730040744862704, 7.853204624095838], spans), rtol=1e-13
     )
     np.testing.assert_allclose(
-        gram(modes.shapes, modes.shapes, inertia_of(problem.beam)), np.eye(2 * spans), atol=1e-11
+        gram(modes.shapes, modes.shapes, inertia_of(problem.line)), np.eye(2 * spans), atol=1e-11
     )
 
 
@@ -160,7 +161,7 @@ def test_modes_are_orthonormal_however_near_their_frequencies(torsional: float) 
     x = np.arange(9.0)
     problem = unit_beam(x, [Support(x=float(at), translational=math.inf, torsional=torsional) for at in x], [])
     modes = exact_modes(problem, FREE, 16)
-    np.testing.assert_allclose(gram(modes.shapes, modes.shapes, inertia_of(problem.beam)), np.eye(16), atol=1e-9)
+    np.testing.assert_allclose(gram(modes.shapes, modes.shapes, inertia_of(problem.line)), np.eye(16), atol=1e-9)
 
 
 def test_a_root_that_the_count_does_not_bear_out_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

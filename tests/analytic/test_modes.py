@@ -22,7 +22,7 @@ def test_closed_form_inner_products_agree_with_quadrature() -> None:
     L = problem.beam.length
     x, w = np.concatenate([(x + 1) * L / 4, (x + 3) * L / 4]), np.concatenate([w, w]) * L / 4
     np.testing.assert_allclose(
-        gram(both, free, inertia_of(problem.beam)), problem.beam.m * (both(x) * w) @ free(x).T, atol=1e-12
+        gram(both, free, inertia_of(problem.line)), problem.beam.m * (both(x) * w) @ free(x).T, atol=1e-12
     )
     np.testing.assert_allclose(integrals(both).sum(axis=1), both(x) @ w, atol=1e-12)
 

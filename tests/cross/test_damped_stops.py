@@ -1,4 +1,4 @@
-"""Joints with damped stops: both solvers agree on first contacts and steady states within their stated errors."""
+"""Cantilevers with damped stops: both solvers agree on first contacts within their stated errors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 import analytic
 import fe_lapjoint
 from lapjoint.answers import Contact
-from tests.helpers.damped_stops import random_damped_joint
+from tests.helpers.random_joints import damped_cantilever
 
 SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
     analytic.Solver(n_modes=14, max_periods=1500),
@@ -25,7 +25,7 @@ MOST_MISSED = 0.05  # of all numbers; stated errors are to cover 19 of 20
 
 def differences(seed: int) -> list[float]:
     """Differences of the first contacts of a random joint, over what the stated errors allow."""
-    problem = random_damped_joint(np.random.default_rng(seed))
+    problem = damped_cantilever(np.random.default_rng(seed))
     every = [solver.simulate(problem, DURATION).contacts for solver in SOLVERS]
     size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
     one, other = ([c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every)
@@ -60,22 +60,3 @@ def test_first_contacts_of_a_few_joints() -> None:
 @pytest.mark.slow
 def test_first_contacts_of_many_joints() -> None:
     check_contacts(range(10, 50), 80)
-
-
-def steady_differences(seed: int) -> list[float] | None:
-    """Differences of the impulses of a random joint's steady state, over what the stated errors allow."""
-    problem = random_damped_joint(np.random.default_rng(seed))
-    a, b = (solver.steady_state(problem) for solver in SOLVERS)
-    if not (a.period_multiple and a.period_multiple == b.period_multiple):
-        return None
-    size = max(float(np.abs(a.impulses).max()), 1e-12)
-    allowed = MARGIN * (a.impulse_errors + b.impulse_errors) + ROUNDING * size
-    return (np.abs(a.impulses - b.impulses) / allowed).tolist()
-
-
-@pytest.mark.slow
-def test_steady_states_agree() -> None:
-    found = {seed: steady_differences(seed) for seed in range(20)}
-    numbers = np.array([number for each in found.values() if each is not None for number in each])
-    assert numbers.size >= 20
-    assert np.count_nonzero(numbers > 1) <= MOST_MISSED * numbers.size, found

@@ -14,7 +14,7 @@ from lapjoint.answers import Equilibrium
 from lapjoint.problem.beam import BeamSegment
 from lapjoint.problem.static_loads import Gravity
 from lapjoint.solver import Rests
-from tests.helpers.static_joints import random_joint
+from tests.helpers.random_joints import resting_joint
 
 SOLVERS: tuple[Rests, ...] = (analytic.Solver(), fe_lapjoint.Solver())
 
@@ -53,7 +53,7 @@ def check_agree(one: Equilibrium, other: Equilibrium) -> None:
 def test_random_joints_rest_alike(held: bool) -> None:
     rng = np.random.default_rng(50 + held)
     for _ in range(10):
-        found = rested(random_joint(rng, held=held))
+        found = rested(resting_joint(rng, held=held))
         if found:
             check_agree(*found)
 
@@ -63,7 +63,7 @@ def test_random_joints_rest_alike(held: bool) -> None:
 def test_500_random_joints_rest_alike(held: bool) -> None:
     rng = np.random.default_rng(4803 + held)
     for _ in range(500):
-        found = rested(random_joint(rng, held=held))
+        found = rested(resting_joint(rng, held=held))
         if found:
             check_agree(*found)
 

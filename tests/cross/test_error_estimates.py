@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from few_and_many import in_processes
 from population import stiffened_joint
-from real_joints import real_joint
+from random_joints import real_joint
 from refining import AnySolver, doubled, refined, touches
 
 import analytic

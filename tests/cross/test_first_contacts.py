@@ -11,7 +11,7 @@ from functools import partial
 import pytest
 from few_and_many import in_processes
 from population import driven_joint
-from real_joints import real_march
+from random_joints import real_march
 
 import analytic
 import fe_lapjoint

@@ -8,7 +8,7 @@ from functools import partial
 import pytest
 from few_and_many import in_processes
 from population import harmonic_joint, joint, response_of
-from real_joints import real_joint
+from random_joints import DAMPED, PRELOADED, SPATIAL, real_joint
 from refining import AnySolver
 from witness import Judgement, reached_from_rest, testify
 
@@ -25,7 +25,9 @@ COUNT, SEED = 600, 31415  # problems that decide; nothing was ever chosen by how
 QUICK_SEED, QUICK = 2, (6, 11, 27, 28, 33, 43)  # free vibration dies away soon in these
 QUICK_HARMONICS = (5, 11, 27, 43)  # of the same seed, driven by harmonics, and so in these
 QUICK_REAL = (11, 35)  # of the same seed, with masses, steps, static loads, preload, stops in space
+QUICK_OTHERS = ((PRELOADED, (1, 5)), (SPATIAL, (2,)), (DAMPED, (11,)))
 HARMONICS = 120  # problems driven by harmonics
+OTHERS, DAMPED_STOPS = 60, 100  # with preload, or stops in space besides; with damped stops
 REAL = 200  # with masses, steps, static loads, preload, stops in space
 MOST_UNDECIDED = 0.05
 MOST_ELSEWHERE = 0.02
@@ -68,6 +70,14 @@ def test_no_certificate_of_a_few_real_joints_is_false(solver: AnySolver) -> None
     check(judged(solver, real_joint, QUICK_SEED, i) for i in QUICK_REAL)
 
 
+@pytest.mark.parametrize("solver", [ANALYTIC, pytest.param(FINITE_ELEMENTS, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize(("drawn", "indices"), QUICK_OTHERS)
+def test_no_certificate_of_a_few_joints_of_one_feature_is_false(
+    solver: AnySolver, drawn: Drawn, indices: tuple[int, ...]
+) -> None:
+    check(judged(solver, drawn, QUICK_SEED, i) for i in indices)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
 def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: AnySolver) -> None:
@@ -76,6 +86,15 @@ def test_no_certificate_of_a_few_random_joints_under_harmonics_is_false(solver: 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", [ANALYTIC, FINITE_ELEMENTS])
-@pytest.mark.parametrize(("drawn", "count"), [(joint, COUNT), (harmonic_joint, HARMONICS), (real_joint, REAL)])
+@pytest.mark.parametrize(
+    ("drawn", "count"),
+    [
+        (joint, COUNT),
+        (harmonic_joint, HARMONICS),
+        (real_joint, REAL),
+        *((it, OTHERS) for it in (PRELOADED, SPATIAL)),
+        (DAMPED, DAMPED_STOPS),
+    ],
+)
 def test_no_certificate_of_random_joints_is_false(solver: AnySolver, drawn: Drawn, count: int) -> None:
     check(in_processes(partial(judged, solver, drawn, SEED), range(count)))

@@ -1,59 +1,22 @@
-"""Joints whose stops press the straight beam: contacts, forces and steady states, by witnesses of several kinds."""
+"""Joints whose stops press the straight beam: steady states, forces and contact states in closed form."""
 
 from __future__ import annotations
-
-from functools import partial
 
 import numpy as np
 import pytest
 from beams import CLAMP, unit_cantilever
-from few_and_many import in_processes
-from preloaded import (
-    ANALYTIC,
-    CERTIFICATES,
-    COARSE,
-    COUNT,
-    FINE_WITNESS,
-    SOLVERS,
-    check,
-    judged,
-    preloaded_joint,
-    witnessed,
-)
 from refining import AnySolver
 
+import analytic
+import fe_lapjoint
 from analytic.mode_count import most_closed
 from lapjoint import FREE, ContactState, Problem, StepLoad, Stop, Support, contact_states
 from lapjoint.answers import History
 from lapjoint.answers.contact_state import can_be_closed
 from lapjoint.problem.supports_and_stops import Side
 
-FEW = (1, 5, 7)  # two stops that press at once, and stops of both signs
-QUICK = (1, 5)
-
-
-@pytest.mark.parametrize("index", FEW)
-def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops(index: int) -> None:
-    assert not witnessed(preloaded_joint, index)
-
-
-@pytest.mark.slow
-def test_a_march_in_tiny_steps_meets_the_same_preloaded_stops_of_many_joints() -> None:
-    every = in_processes(partial(witnessed, preloaded_joint, elements=FINE_WITNESS), range(COUNT))
-    assert not [line for found in every for line in found]
-
-
-@pytest.mark.parametrize("solver", [ANALYTIC, pytest.param(COARSE, marks=pytest.mark.thorough)])
-def test_no_certificate_of_a_few_preloaded_joints_is_false(solver: AnySolver) -> None:
-    check([judged(preloaded_joint, solver, index) for index in QUICK])
-
-
-@pytest.mark.slow
-@pytest.mark.long_march
-@pytest.mark.parametrize("solver", [ANALYTIC, COARSE])
-def test_no_certificate_of_preloaded_joints_is_false(solver: AnySolver) -> None:
-    check(list(in_processes(partial(judged, preloaded_joint, solver), range(CERTIFICATES))))
-
+ANALYTIC = analytic.Solver()
+SOLVERS = (ANALYTIC, fe_lapjoint.Solver(elements=20))
 
 AT, STIFFNESS, PRESS = 0.7, 40.0, 2e-3  # m, N/m, m: more than the beam moves there
 SOFT = 2.0  # N/m: a beam that such a stop pushes away from rest does not leave it

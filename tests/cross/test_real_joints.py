@@ -8,18 +8,19 @@ their errors judged in `test_error_estimates`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 
 import numpy as np
 import pytest
 from few_and_many import in_processes
-from real_joints import real_joint
+from random_joints import DAMPED, real_joint
 
 import analytic
 import fe_lapjoint
-from lapjoint import Outcome, SteadyState
+from lapjoint import Outcome, Problem, SteadyState
 from tests.cross.test_equilibria import check_agree, rested
 from validation.coexistence import Motion, why_they_differ
 
@@ -32,12 +33,16 @@ SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
 )
 SEED, DRAWN, COUNT = 6023, 320, 200  # joints drawn, and how many that both solvers decide on are compared
 FEW = (7, 35)  # gravity, and several at once
+FEW_DAMPED = (7,)
 MORE = (5, 9, 15, 17)  # fluids, a uniform load, and several at once
 REST = 10  # joints whose equilibria a quick run compares
 MARGIN = 3.0  # of both stated errors together, which are estimates
 DEVIATIONS = 4.0  # standard errors of mean impulses of motions that do not repeat
 ROUNDING = 1e-8  # of the largest impulse: to which an orbit closes
 MOST_MISSED = 0.03  # of all motions compared; stated errors are to cover 19 of 20, and here there are two
+
+
+Drawn = Callable[[int, int], Problem]
 
 
 @dataclass(frozen=True)
@@ -50,9 +55,9 @@ class Settled:
     why: str
 
 
-def settled(index: int) -> Settled:
+def settled(drawn: Drawn, index: int) -> Settled:
     """Both solvers on one problem, from rest."""
-    problem = real_joint(SEED, index)
+    problem = drawn(SEED, index)
     one, other = (solver.steady_state(problem, sensitivity=False) for solver in SOLVERS)
     if Outcome.UNDECIDED in (one.outcome, other.outcome):
         return Settled(problem.title, "undecided", f"{one.outcome.name}, {other.outcome.name}")
@@ -89,19 +94,24 @@ def check(found: Iterable[Settled], count: int) -> None:
     assert len(apart) <= MOST_MISSED * count, "\n".join(apart)
 
 
-@pytest.mark.parametrize("members", [FEW, pytest.param(MORE, marks=pytest.mark.thorough)])
-def test_both_solvers_agree_where_a_few_real_joints_settle(members: tuple[int, ...]) -> None:
-    check(map(settled, members), len(members))
+@pytest.mark.parametrize(
+    ("drawn", "members"),
+    [(real_joint, FEW), pytest.param(real_joint, MORE, marks=pytest.mark.thorough), (DAMPED, FEW_DAMPED)],
+)
+def test_both_solvers_agree_where_a_few_real_joints_settle(drawn: Drawn, members: tuple[int, ...]) -> None:
+    check(map(partial(settled, drawn), members), len(members))
 
 
 @pytest.mark.slow
-def test_both_solvers_agree_where_many_real_joints_settle() -> None:
-    check(in_processes(settled, range(DRAWN)), COUNT)
+@pytest.mark.parametrize(("drawn", "drawn_of", "count"), [(real_joint, DRAWN, COUNT), (DAMPED, 160, 100)])
+def test_both_solvers_agree_where_many_real_joints_settle(drawn: Drawn, drawn_of: int, count: int) -> None:
+    check(in_processes(partial(settled, drawn), range(drawn_of)), count)
 
 
+@pytest.mark.parametrize("drawn", [real_joint, DAMPED])
 @pytest.mark.parametrize("count", [REST, pytest.param(COUNT, marks=pytest.mark.slow)])
-def test_both_solvers_agree_how_real_joints_rest(count: int) -> None:
+def test_both_solvers_agree_how_real_joints_rest(drawn: Drawn, count: int) -> None:
     for index in range(count):
-        found = rested(real_joint(SEED, index))
+        found = rested(drawn(SEED, index))
         assert found is not None
         check_agree(*found)

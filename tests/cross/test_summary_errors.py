@@ -20,7 +20,7 @@ import analytic
 import fe_lapjoint
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import of_orbit, summarise
-from lapjoint.summaries.of_orbit import OF_STOPS, OrbitSummary
+from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS, OrbitSummary
 from lapjoint.summaries.quantities import IndexArray
 
 FEW = 300  # excitation periods, after which a motion that has not been found to repeat is not waited for
@@ -34,7 +34,7 @@ Columns = dict[str, list[tuple[float, float, float]]]  # stated error, distance 
 
 def printed(summary: OrbitSummary, name: str) -> IndexArray:
     """Where the numbers of a column are that the command line prints."""
-    if name in OF_STOPS:
+    if name in OF_STOPS or name in OF_ALL:
         return np.arange(summary.values[name].size)
     return np.unique([*summary.selection.asked, np.argmax(summary.values[name])])
 

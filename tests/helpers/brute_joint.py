@@ -16,10 +16,13 @@ import numpy as np
 from scipy.linalg import eigh, expm
 
 from lapjoint import ModalDamping, NoDamping, Problem
+from lapjoint.answers import History
 from lapjoint.problem import FloatArray, ViscousDamping
 
 STEPS = 512  # in the shortest period of the base's harmonics
 _HALVINGS = 26  # of such a step, to find a switch
+_LIGHT = 0.01  # of the largest impulse: whether so light a contact is there, the elements decide
+_FIRST = 4  # contacts that are compared
 
 
 @dataclass(frozen=True)
@@ -206,3 +209,26 @@ def _assembled(nodes: FloatArray, EI: float, m: float) -> tuple[FloatArray, Floa
         M[at, at] += m * h / 420 * np.array(mass)
         load[at] += m * h / 2 * np.array([1.0, h / 6, 1.0, -h / 6])
     return K, M, load
+
+
+def off_by(history: History, seen: BruteMotion) -> tuple[float, float]:
+    """How far a motion is from the witness: its displacement at the stops, and its first contacts, infinite if others.
+
+    Displacements are compared up to the end of these contacts, and are over the largest; starts are over the duration;
+    impulses and peaks over the largest of each.
+    """
+    size = max((abs(c.impulse) for c in seen.contacts), default=0.0)
+    both = history.contacts, seen.contacts
+    one, other = ([c for c in them if abs(c.impulse) > _LIGHT * size][:_FIRST] for them in both)
+    until = max((c.end for c in other), default=math.inf)
+    problem, t = history.problem, np.linspace(0.0, min(seen.t[-1], history.end, until), 60)
+    marched = np.array([np.interp(t, seen.t, z) for z in seen.z])
+    x = np.array([stop.x for stop in problem.stops])
+    apart = float(np.abs(history.displacement(x, t) - marched).max() / np.abs(marched).max())
+    if [c.stop for c in one] != [c.stop for c in other]:
+        return apart, math.inf
+    worst, peak = 0.0, max((c.peak for c in other), default=1.0)
+    for a, b in zip(one, other, strict=True):
+        numbers = (a.start - b.start) / seen.t[-1], (a.impulse - b.impulse) / size, (a.peak_force - b.peak) / peak
+        worst = max(worst, *(abs(number) for number in numbers))
+    return apart, worst

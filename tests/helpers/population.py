@@ -14,7 +14,7 @@ are drawn evenly by their logarithm, the rest evenly.  `stiffened_joint` gives t
 `lasting_joint` viscous damping besides, `harmonic_joint` a base, and some of them a load, of several harmonics, of odd
 multiples only in every third; `stepped_joint` is at rest but for a step load;
 `recorded_joint` records of the base and of loads in place of the sine, `randomly_driven_joint` a random motion.
-Steps, masses, static loads, preload and stops fixed in space: `real_joints.real_joint`.
+Steps, masses, static loads, preload, stops fixed in space and damped ones: `random_joints.real_joint`.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def response_of(problem: Problem) -> Response:
         assert isinstance(damping, ViscousDamping)
         ratios = damping.coefficient / (2 * omega)
     inertia = problem.structure.inertia
-    participation = np.trapezoid(problem.beam.inertia_at(x) * shapes, x, axis=1)
+    participation = np.trapezoid(problem.line.inertia_at(x) * shapes, x, axis=1)
     for place, mass in inertia.points:
         participation = participation + mass * np.asarray(modes.shapes(np.array([place])), dtype=float)[:, 0]
     return Response(omega, shapes, ratios, participation)
@@ -117,7 +117,7 @@ def joint(seed: int, index: int) -> Problem:
 def stiffened_joint(seed: int, index: int) -> Problem:
     """The same problem with stops of any stiffness from 3 to 1e6, drawn evenly by its logarithm; twins stay twins."""
     problem, rng = joint(seed, index), np.random.default_rng((seed, index, 1))
-    drawn = {place: _between(rng, 3.0, 1e6) for place in dict.fromkeys((stop.x, stop.gap) for stop in problem.stops)}
+    drawn = {place: between(rng, 3.0, 1e6) for place in dict.fromkeys((stop.x, stop.gap) for stop in problem.stops)}
     stops = (stop.model_copy(update={"stiffness": drawn[stop.x, stop.gap]}) for stop in problem.stops)
     return problem.replace(stops=tuple(stops))
 
@@ -132,7 +132,7 @@ def lasting_joint(seed: int, index: int) -> Problem:
     base = problem.base_motion
     assert isinstance(base, BaseMotion)
     lowest = float(analytic.Solver().modes(problem.replace(stops=()), FREE, 1).angular_frequencies[0])
-    damping = ViscousDamping(coefficient=2 * lowest * _between(rng, 1e-3, 0.1))
+    damping = ViscousDamping(coefficient=2 * lowest * between(rng, 1e-3, 0.1))
     force = BASE * base.angular_frequency**2 * rng.uniform(-0.2, 0.2)
     loads = (StepLoad(x=rng.uniform(0.2, 1.0), force=force),) * (index // 2 % 2)
     return problem.replace(title=f"{problem.title}, viscous{', step' * len(loads)}", damping=damping, point_loads=loads)
@@ -151,47 +151,56 @@ def stepped_joint(seed: int, index: int) -> Problem:
         x=rng.uniform(low, high),
         side="top",
         gap=deflection * rng.uniform(0.5, 3.0) * rng.uniform(0.0, 0.5),
-        stiffness=_between(rng, 10.0, 1e6),
+        stiffness=between(rng, 10.0, 1e6),
     )
     return Problem(
         title=f"seed {seed}, index {index}: {'cantilever' if cantilever else 'pinned'}, step load",
         beam=BEAM,
         supports=(fixed,) if cantilever else (fixed, Support(x=1.0, translational=math.inf, torsional=0.0)),
         stops=(stop,),
-        damping=ModalDamping(ratio=_between(rng, 1e-3, 0.1)),
+        damping=ModalDamping(ratio=between(rng, 1e-3, 0.1)),
         point_loads=(StepLoad(x=rng.uniform(low, high), force=force),),
     )
 
 
-def harmonic_joint(seed: int, index: int) -> Problem:
-    """The problem of `joint` moved by up to four harmonics, of which its own sine is the first, second or third.
+def with_harmonics(problem: Problem, rng: np.random.Generator, step: int = 1) -> Problem:
+    """A problem whose base moves by up to four harmonics, `step` apart; its own sine is the first, second or third.
 
-    The other harmonics have 0.05 to 0.5 of its acceleration.  In one problem of four a load of harmonics acts
-    somewhere, too, of up to a third of the base's force.
+    The other harmonics have 0.05 to 0.5 of its acceleration.
     """
-    problem, rng = joint(seed, index), np.random.default_rng((seed, index, 2))
-    sine, step = problem.base_motion, 2 if index % 3 == 0 else 1
+    sine = problem.base_motion
     assert isinstance(sine, BaseMotion)
     main = int(rng.choice([1, 1, 3] if step == 2 else [1, 1, 2, 3]))
     others = rng.permutation([n for n in range(1, 9, step) if n != main])[: int(rng.integers(1, 4))]
-    sizes = {main: 1.0} | {int(n): _between(rng, 0.05, 0.5) for n in others}
-    omega = sine.angular_frequency / main
-    base = HarmonicsBaseMotion(
-        angular_frequency=omega,
-        harmonics=tuple(
-            BaseHarmonic(multiple=n, amplitude=BASE * size * (main / n) ** 2, phase=rng.uniform(-3.0, 3.0))
-            for n, size in sizes.items()
-        ),
+    sizes = {main: 1.0} | {int(n): between(rng, 0.05, 0.5) for n in others}
+    harmonics = tuple(
+        BaseHarmonic(multiple=n, amplitude=BASE * size * (main / n) ** 2, phase=rng.uniform(-3.0, 3.0))
+        for n, size in sizes.items()
     )
-    loads = []
-    if rng.random() < 0.25:
-        force = BASE * sine.angular_frequency**2 * rng.uniform(0.1, 0.33)
-        harmonics = tuple(
-            LoadHarmonic(multiple=n, force=force * size, phase=rng.uniform(-3.0, 3.0)) for n, size in sizes.items()
+    base = HarmonicsBaseMotion(angular_frequency=sine.angular_frequency / main, harmonics=harmonics)
+    return problem.replace(title=f"{problem.title}, harmonics {sorted(sizes)}", base_motion=base)
+
+
+def harmonic_joint(seed: int, index: int) -> Problem:
+    """The problem of `joint` moved by harmonics, of odd multiples only in every third.
+
+    In one problem of four a load of the same harmonics acts somewhere, too, of up to a third of the base's force.
+    """
+    rng = np.random.default_rng((seed, index, 2))
+    problem = with_harmonics(joint(seed, index), rng, 2 if index % 3 == 0 else 1)
+    base = problem.base_motion
+    assert isinstance(base, HarmonicsBaseMotion)
+    if rng.random() >= 0.25:
+        return problem
+    size, omega = rng.uniform(0.1, 0.33), base.angular_frequency
+    harmonics = tuple(
+        LoadHarmonic(
+            multiple=it.multiple, force=size * it.amplitude * (it.multiple * omega) ** 2, phase=rng.uniform(-3.0, 3.0)
         )
-        loads.append(HarmonicsLoad(x=rng.uniform(0.2, 1.0), angular_frequency=omega, harmonics=harmonics))
-    title = f"{problem.title}, harmonics {sorted(sizes)}{', load' * len(loads)}"
-    return problem.replace(title=title, base_motion=base, point_loads=tuple(loads))
+        for it in base.harmonics
+    )
+    load = HarmonicsLoad(x=rng.uniform(0.2, 1.0), angular_frequency=omega, harmonics=harmonics)
+    return problem.replace(title=f"{problem.title}, load", point_loads=(load,))
 
 
 def recorded_joint(seed: int, index: int) -> tuple[Problem, float]:
@@ -208,16 +217,16 @@ def recorded_joint(seed: int, index: int) -> tuple[Problem, float]:
     if index % 4 == 1:
         problem = problem.replace(supports=() if rng.random() < 0.5 else (Support(x=0.0, translational=math.inf),))
     if damping == 0:
-        ratios = tuple(_between(rng, 1e-2, 5.0) for _ in range(int(rng.integers(1, 4))))
+        ratios = tuple(between(rng, 1e-2, 5.0) for _ in range(int(rng.integers(1, 4))))
         problem = problem.replace(damping=ModalDamping(ratio=ratios))
     elif damping == 1:
-        problem = problem.replace(damping=ViscousDamping(coefficient=_between(rng, 0.1, 300.0)))
+        problem = problem.replace(damping=ViscousDamping(coefficient=between(rng, 0.1, 300.0)))
     elif damping == 2:
         problem = problem.replace(damping=NoDamping())
     duration = RECORDED_PERIODS * 2 * math.pi / omega
-    count = max(4, int(RECORDED_PERIODS * _between(rng, 0.2, 200.0)))
-    between = np.ones(count) if rng.random() < 0.5 else 10.0 ** rng.uniform(-2.0, 0.0, size=count)
-    t = np.append(0.0, np.cumsum(between)) * (duration / between.sum())
+    count = max(4, int(RECORDED_PERIODS * between(rng, 0.2, 200.0)))
+    spans = np.ones(count) if rng.random() < 0.5 else 10.0 ** rng.uniform(-2.0, 0.0, size=count)
+    t = np.append(0.0, np.cumsum(spans)) * (duration / spans.sum())
     size = 2 * BASE * omega**2
     noise = rng.standard_normal(t.size) * float(rng.choice([0.1, 0.5, 1.0]))
     record = RecordBaseMotion(quantity="acceleration", times=t, values=size * (np.sin(omega * t) + noise))
@@ -281,7 +290,7 @@ def random_cantilever(rng: np.random.Generator, dress: Dress = _as_it_is) -> Pro
     response = response_of(bare)
     frequency = rng.uniform(1.3, 6.0) * float(response.omega[0])
     gap = rng.uniform(0.4, 1.6) * float(response.amplitude(frequency)[-1])
-    stop = Stop(x=1.0, side="top", gap=gap, stiffness=_between(rng, 3.0, 1000.0))
+    stop = Stop(x=1.0, side="top", gap=gap, stiffness=between(rng, 3.0, 1000.0))
     return bare.replace(base_motion=_base(frequency), stops=(stop,))
 
 
@@ -303,7 +312,7 @@ def random_joint(rng: np.random.Generator, dress: Dress = _as_it_is) -> Problem:
         here = _place(rng, amplitude)
         gap = rng.uniform(0.3, 1.6) * float(amplitude[here])
         side = "top" if rng.random() < 0.5 else "bottom"
-        one = Stop(x=here / (_POINTS - 1), side=side, gap=gap, stiffness=_between(rng, 3.0, 1000.0))
+        one = Stop(x=here / (_POINTS - 1), side=side, gap=gap, stiffness=between(rng, 3.0, 1000.0))
         stops.append(one)
         if twins:
             stops.append(one.model_copy(update={"side": "bottom" if side == "top" else "top"}))
@@ -315,7 +324,7 @@ def stiff_joint(seed: int, index: int) -> Problem:
     """A joint of `random_joint` with stops of 1 to 1e7 EI / L^3, by a seed and an index."""
     rng = np.random.default_rng((seed, index))
     problem = random_joint(rng)
-    stops = tuple(s.model_copy(update={"stiffness": _between(rng, 1.0, 1e7)}) for s in problem.stops)
+    stops = tuple(s.model_copy(update={"stiffness": between(rng, 1.0, 1e7)}) for s in problem.stops)
     return problem.replace(stops=stops, title=f"seed {seed}, index {index}: {problem.title}, stiff")
 
 
@@ -326,7 +335,7 @@ def _base(frequency: float) -> BaseMotion:
     return BaseMotion(amplitude=BASE, angular_frequency=frequency)
 
 
-def _between(rng: np.random.Generator, least: float, most: float) -> float:
+def between(rng: np.random.Generator, least: float, most: float) -> float:
     """A number between two others, evenly by its logarithm."""
     return float(math.exp(rng.uniform(math.log(least), math.log(most))))
 
@@ -343,10 +352,10 @@ def _supports(rng: np.random.Generator) -> tuple[tuple[Support, ...], str]:
     """One or two supports, and what to call them; none leaves the beam free to drift."""
     kind = int(rng.integers(0, 6))
     far = rng.uniform(0.4, 1.0)
-    translational, torsional = _between(rng, 10.0, 1e4), _between(rng, 1.0, 1e3)
+    translational, torsional = between(rng, 10.0, 1e4), between(rng, 1.0, 1e3)
     springs = Support(x=0.0, translational=translational, torsional=torsional)
     pinned = Support(x=0.0, translational=math.inf)
-    beyond = Support(x=far, translational=_between(rng, 10.0, 1e4))
+    beyond = Support(x=far, translational=between(rng, 10.0, 1e4))
     return (
         ((_FIXED,), "fixed"),
         ((springs,), "springs"),
@@ -360,7 +369,7 @@ def _supports(rng: np.random.Generator) -> tuple[tuple[Support, ...], str]:
 def _damping(rng: np.random.Generator, lowest: float) -> ModalDamping | ViscousDamping:
     """One modal ratio, two to four for the lowest modes, or a viscous coefficient that damps the lowest mode so."""
     kind = int(rng.integers(0, 3))
-    ratios = tuple(_between(rng, 1e-3, 0.1) for _ in range(int(rng.integers(2, 5))))
+    ratios = tuple(between(rng, 1e-3, 0.1) for _ in range(int(rng.integers(2, 5))))
     if kind == 0:
         return ModalDamping(ratio=ratios[0])
     return ModalDamping(ratio=ratios) if kind == 1 else ViscousDamping(coefficient=2 * ratios[0] * lowest)

@@ -1,4 +1,4 @@
-"""Random joints under static loads, and their equilibria from elements of fifty digits, which share no code.
+"""Equilibria of joints under static loads from elements of fifty digits, which share no code with a solver.
 
 The witness is the displacement method: cubic beam elements between all places where anything acts, with consistent
 loads, give the exact displacements and slopes of these places.  A set of pressing stops is that of the equilibrium if
@@ -13,85 +13,11 @@ from itertools import pairwise
 
 import mpmath
 import numpy as np
-from numpy.random import Generator
 from scipy.optimize import nnls
 
-from lapjoint import Beam, Problem, SineLoad, StepLoad, Stop, Support
-from lapjoint.problem.beam import BeamSegment
-from lapjoint.problem.masses import Mass
-from lapjoint.problem.static_loads import Gravity, UniformLoad
+from lapjoint import Problem, StepLoad
 
 DIGITS = 50
-
-
-def random_joint(rng: Generator, *, stepped: bool = True, held: bool = True) -> Problem:
-    """A joint with masses, static loads and one to five stops, which supports hold, or perhaps stops alone."""
-    L, EI = 10 ** rng.uniform(-1, 1), 10 ** rng.uniform(-1, 6)
-    m, load = 10 ** rng.uniform(-1, 2), 10 ** rng.uniform(-1, 3)
-    places = [0.0, L, *(L * rng.uniform(0.02, 0.98, 4)).tolist()]
-
-    def place() -> float:
-        return float(rng.choice(places)) if rng.random() < 0.5 else float(L * rng.uniform(0.02, 0.98))
-
-    loads: list[StepLoad | SineLoad] = [
-        StepLoad(x=place(), force=load * rng.normal()) for _ in range(int(rng.integers(0, 3)))
-    ]
-    loads.append(SineLoad(x=place(), force=10 * load, angular_frequency=3.0))
-    uniform = [
-        UniformLoad(start=a, to=b, force_per_length=load / L * rng.normal())
-        for a, b in (sorted((place(), place())) for _ in range(int(rng.integers(0, 3))))
-        if b - a > 1e-3 * L
-    ]
-    size = load * L**3 / EI
-    stops = []
-    for i in range(int(rng.integers(1, 6))):
-        x = stops[-1].x if stops and rng.random() < 0.25 else place()
-        gap = size * 10 ** rng.uniform(-3, 0) * (-1 if rng.random() < 0.35 else 1)
-        k = EI / L**3 * 10 ** rng.uniform(-1, 9)
-        stops.append(Stop(name=f"s{i}", x=x, side=("top", "bottom")[int(rng.integers(2))], gap=gap, stiffness=k))
-    return Problem(
-        beam=_beam(rng, L, EI, m, stepped),
-        supports=_supports(rng, L, EI) if held else _few_supports(rng, L, EI),
-        stops=stops,
-        masses=[Mass(x=place(), mass=m * L * rng.uniform(0, 2)) for _ in range(int(rng.integers(0, 3)))],
-        gravity=Gravity(acceleration=rng.normal() * load / (m * L)) if rng.random() < 0.7 else None,
-        uniform_loads=uniform,
-        point_loads=loads,
-    )
-
-
-def _beam(rng: Generator, L: float, EI: float, m: float, stepped: bool) -> Beam:
-    fluids = {"contents_per_length": 0.3 * m, "added_mass_per_length": 0.5 * m} if rng.random() < 0.5 else {}
-    count = int(rng.integers(1, 5)) if stepped else 1
-    if count == 1:
-        return Beam(length=L, bending_stiffness=EI, mass_per_length=m, **fluids)
-    ends = [*np.sort(L * rng.uniform(0.05, 0.95, count - 1)).tolist(), L]
-    segments = [
-        BeamSegment(to=end, bending_stiffness=EI * 10 ** rng.uniform(-1, 1), mass_per_length=m * rng.uniform(0.2, 5))
-        for end in ends
-    ]
-    return Beam(length=L, segments=segments, **fluids)
-
-
-def _supports(rng: Generator, L: float, EI: float) -> list[Support]:
-    """Supports that hold the beam: fixed, or by springs of 1e-3 to 1e12 times the stiffness of the beam."""
-
-    def spring(unit: float) -> float:
-        return math.inf if rng.random() < 0.3 else unit * 10 ** rng.uniform(-3, 12)
-
-    k, kt = EI / L**3, EI / L
-    first = Support(x=0.0, translational=spring(k), torsional=spring(kt))
-    if rng.random() < 0.4:
-        return [first]
-    second = Support(x=float(rng.choice([L, L * rng.uniform(0.3, 1)])), translational=spring(k))
-    return [first if rng.random() < 0.5 else Support(x=0.0, translational=spring(k)), second]
-
-
-def _few_supports(rng: Generator, L: float, EI: float) -> list[Support]:
-    """No support, or one that leaves a rigid motion."""
-    x, kind = float(rng.choice([0.0, L * rng.uniform(0.1, 0.9)])), int(rng.integers(4))
-    springs = ({}, {"translational": math.inf}, {"translational": 10 * EI / L**3}, {"torsional": 10 * EI / L})[kind]
-    return [Support(x=x, **springs)] if springs else []
 
 
 @dataclass

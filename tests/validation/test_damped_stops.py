@@ -7,14 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import fe_lapjoint
 from analytic.solver import Solver
 from lapjoint.answers import History
-from tests.helpers.damped_stops import random_damped_joint
-from validation.invariants import energy_balance, stated_impulses
+from tests.helpers.random_joints import damped_cantilever
+from validation.invariants import energy_balance, stated_energies, stated_impulses, witness
 
 
 def motion(seed: int) -> History:
-    return Solver(n_modes=20).simulate(random_damped_joint(np.random.default_rng(seed)), 2.0, errors=False)
+    return Solver(n_modes=20).simulate(damped_cantilever(np.random.default_rng(seed)), 2.0, errors=False)
 
 
 @pytest.mark.parametrize("seed", [0, 3])  # viscous damping, so that all of the energy is accounted for
@@ -26,3 +27,15 @@ def test_damped_stops_take_the_energy_that_is_missing(seed: int) -> None:
     stiff = found.problem.replace(stops=tuple(stop.model_copy(update={"damping": 0.0}) for stop in found.problem.stops))
     assert abs(energy_balance(replace(found, problem=stiff), 1e-5).value) > 1e-3  # the springs' energy alone
     assert taken > 0
+
+
+@pytest.mark.parametrize("solver", [Solver(n_modes=20), fe_lapjoint.Solver(elements=8)])
+@pytest.mark.parametrize("seed", [1, 2])  # seed 2 ends within a contact
+def test_stated_energies_are_those_of_the_force_law(solver: Solver | fe_lapjoint.Solver, seed: int) -> None:
+    found = solver.simulate(damped_cantilever(np.random.default_rng(seed)), 1.0, errors=False)
+    assert found.dissipated().max() > 0
+    assert stated_energies(found, 1e-6).value < 1e-4  # truncation moves the stop at a switch
+    assert any("energy lost" in item.name for item in witness(found, 1e-3, "one"))
+    for factor in (-1.0, 1.01):
+        changed = tuple(replace(it, dissipated=factor * it.dissipated) for it in found.contacts)
+        assert stated_energies(replace(found, contacts=changed), 1e-6).value > 5e-3

@@ -160,17 +160,21 @@ OVERRIDES = {
 """Arguments of ``--set``, and the one value that each changes."""
 
 
-def overridden() -> Iterator[Check | Criterion]:
-    """Single values are set, and all other values of `FILE` are unchanged."""
-    given = dict(leaves(tomllib.loads(FILE)))
-    for assignment, (path, value) in OVERRIDES.items():
-        tables = tomllib.loads(FILE)
+def overridden(text: str, assignments: Mapping[str, tuple[str, float]]) -> Iterator[Check | Criterion]:
+    """Single values of a file's text are set, and all other values are unchanged."""
+    given = dict(leaves(tomllib.loads(text)))
+    for assignment, (path, value) in assignments.items():
+        tables = tomllib.loads(text)
         override(tables, assignment)
         problem = problem_from_tables(tables)
         yield same(f"--set {assignment}", field(problem, path), value)
         others = sum(field(problem, key) == known for key, known in given.items() if key != path)
         name = f"--set {assignment}: values left as they were"
         yield Criterion(name, "1", float(others), len(given) - 1, len(given) - 1, "all others")
+
+
+def overridden_at_once() -> Iterator[Check]:
+    """One value of every stop of `FILE` is set."""
     tables = tomllib.loads(FILE)
     override(tables, "stops.*.gap=5e-4")
     for k, stop in enumerate(problem_from_tables(tables).stops):
@@ -423,6 +427,20 @@ def meshes() -> Iterator[Check]:
             yield same(f"elements from {a:g} to {b:g} m of a mesh {ratio:g} times as fine", fine, wanted, "1")
 
 
+def as_given(key: str, title: str, text: str, items: Sequence[Check | Criterion]) -> CaseResult:
+    """A case of such comparisons, with a table of all numbers."""
+    checks = tuple(item for item in items if isinstance(item, Check))
+    rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]
+    return CaseResult(
+        key,
+        title,
+        text,
+        checks=checks,
+        criteria=tuple(item for item in items if isinstance(item, Criterion)),
+        tables=(table("As given", ("quantity", "unit", "given", "found", "from"), rows),),
+    )
+
+
 def run(level: Level, say: Say) -> CaseResult:
     """All comparisons of the shared package with plain numbers."""
     say("file, presets, arithmetic")
@@ -430,7 +448,8 @@ def run(level: Level, say: Say) -> CaseResult:
     items = [
         *read_as_written(problem, "read"),
         *read_as_written(from_toml(to_toml(problem)), "written and read again"),
-        *overridden(),
+        *overridden(FILE, OVERRIDES),
+        *overridden_at_once(),
         *meanings(problem),
         *presets(),
         *states(),
@@ -441,16 +460,12 @@ def run(level: Level, say: Say) -> CaseResult:
         *meshes(),
         *propagator(),
     ]
-    checks = tuple(item for item in items if isinstance(item, Check))
-    rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]
-    return CaseResult(
+    return as_given(
         "as-given",
         "The ground: problems as given",
         "Both solvers share what is solved and what an answer is, so neither can tell when that is wrong. Every value "
         "of a problem file is compared with what tomllib reads, both presets with the tables that they are from, and "
         "sections, initial shapes, forces, moments, impulses per period and exponents with plain arithmetic, "
         "chatter with its definition.",
-        checks=checks,
-        criteria=tuple(item for item in items if isinstance(item, Criterion)),
-        tables=(table("As given", ("quantity", "unit", "given", "found", "from"), rows),),
+        items,
     )

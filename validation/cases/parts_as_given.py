@@ -7,7 +7,6 @@ The references are the values of the file by `tomllib`, and plain arithmetic.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator
 
 import numpy as np
@@ -15,12 +14,11 @@ import numpy as np
 from lapjoint import FREE, History, Problem
 from lapjoint.orbits import parameters
 from lapjoint.problem import FloatArray
-from lapjoint.problem.files import from_toml, problem_from_tables, to_toml
+from lapjoint.problem.files import from_toml, to_toml
 from lapjoint.problem.load_shape import LoadShape
-from lapjoint.problem.override import override
-from validation.case import CaseResult, Level, Say, table
-from validation.cases.as_given import field, leaves, read_as_written, same
-from validation.verdict import Check, Criterion
+from validation.case import CaseResult, Level, Say
+from validation.cases.as_given import as_given, overridden, read_as_written, same
+from validation.verdict import Check
 
 ROUNDING = 1e-14  # Relative rounding of a few operations
 FILE = """
@@ -120,19 +118,6 @@ OVERRIDES = {
     "stops.pad.gap=-1e-4": ("stops[0].gap", -1e-4),
 }
 """Arguments of ``--set``, and the one value that each changes."""
-
-
-def overridden() -> Iterator[Check | Criterion]:
-    """Single values are set, and all other values of `FILE` are unchanged."""
-    given = dict(leaves(tomllib.loads(FILE)))
-    for assignment, (path, value) in OVERRIDES.items():
-        tables = tomllib.loads(FILE)
-        override(tables, assignment)
-        problem = problem_from_tables(tables)
-        yield same(f"--set {assignment}", field(problem, path), value)
-        others = sum(field(problem, key) == known for key, known in given.items() if key != path)
-        name = f"--set {assignment}: values left as they were"
-        yield Criterion(name, "1", float(others), len(given) - 1, len(given) - 1, "all others")
 
 
 def along_the_beam(problem: Problem) -> Iterator[Check]:
@@ -259,22 +244,18 @@ def run(level: Level, say: Say) -> CaseResult:
     items = [
         *read_as_written(problem, "read", FILE),
         *read_as_written(from_toml(to_toml(problem)), "written and read again", FILE),
-        *overridden(),
+        *overridden(FILE, OVERRIDES),
         *along_the_beam(problem),
         *loads(problem),
         *by_excitation(problem),
         *seen(problem),
     ]
-    checks = tuple(item for item in items if isinstance(item, Check))
-    rows = [(c.name, c.unit, c.b.value, c.a.value, c.b.how) for c in checks]
-    return CaseResult(
+    return as_given(
         "parts-as-given",
         "The ground: segments, masses, static loads and stops as given",
         "A beam of three segments of different sections and materials, with contents and added mass, two masses, "
         "gravity, uniform loads, a stop that presses and a stop fixed in space. Every value of its file is compared "
         "with what tomllib reads; stiffness, inertia, weight, resultants of all forces, what stops see, forces, "
         "moments and stresses with plain arithmetic.",
-        checks=checks,
-        criteria=tuple(item for item in items if isinstance(item, Criterion)),
-        tables=(table("As given", ("quantity", "unit", "given", "found", "from"), rows),),
+        items,
     )

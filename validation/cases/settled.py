@@ -20,7 +20,7 @@ from lapjoint import History, ModalDamping, Problem, SteadyState
 from lapjoint.problem import FloatArray
 from lapjoint.problem.files import from_toml
 from validation.case import CaseResult, Level, Say, table
-from validation.invariants import steady_witness
+from validation.orbit_invariants import steady_witness
 from validation.verdict import Check, Criterion, Estimate, Kind
 
 Solver = analytic.Solver | fe_lapjoint.Solver

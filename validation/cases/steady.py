@@ -16,7 +16,7 @@ from validation.case import CaseResult, Level, Say, table
 from validation.cases.motions import FE_ORDER, analytic_levels, fe_levels, refined_by
 from validation.cases.transient import WITNESS_TOLERANCE
 from validation.coexistence import Motion, same_motion, why_they_differ
-from validation.invariants import steady_witness
+from validation.orbit_invariants import steady_witness
 from validation.report.drawing import COLOURS, draw
 from validation.uncertainty import Refined, refined_vector
 from validation.verdict import Check, Criterion, ErrorSource, Estimate

@@ -66,8 +66,8 @@ ANALYTIC = (
         "a term dropped",
         "analytic:_fill",
         "What damping makes of a force that grows is missed.",
-        old="-np.divide(...)",
-        new="-0.0 * np.divide(...)",
+        old="by.force.imag - twice * gain",
+        new="by.force.imag - 0.0 * twice * gain",
     ),
     Fault(
         "analytic-record-kick",
@@ -130,9 +130,10 @@ ANALYTIC = (
         "a stale cache",
         "analytic:_loaded_structure",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return LoadedStructure(still, positions)",
-        new="key = structure.line, structure.supports, structure.stops, steps, positions\n"
-        "return globals().setdefault('_KEPT', {}).setdefault(key, LoadedStructure(still, positions))",
+        old="return LoadedStructure(resting(structure, constant), positions)",
+        new="key = structure.line, structure.supports, structure.stops, constant, positions\n"
+        "made = LoadedStructure(resting(structure, constant), positions)\n"
+        "return globals().setdefault('_KEPT', {}).setdefault(key, made)",
     ),
     Fault(
         "analytic-initial-velocity",

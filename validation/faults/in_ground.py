@@ -138,8 +138,8 @@ GROUND = (
         "a symmetry assumed",
         "lapjoint:stop_twins",
         "A joint is taken for its own mirror image, though the gaps of its sides differ.",
-        old="(stop.place, stop.gap, stop.stiffness, stop.damping, stop.may_pull), k",
-        new="(stop.place, 0.0, stop.stiffness, stop.damping, stop.may_pull), k",
+        old="(..., stop.gap, stop.stiffness, stop.damping, stop.may_pull)",
+        new="(..., 0.0, stop.stiffness, stop.damping, stop.may_pull)",
     ),
     Fault(
         "harmonic-phase-ignored",

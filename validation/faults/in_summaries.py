@@ -90,8 +90,8 @@ SUMMARIES = (
         "a term dropped",
         "lapjoint:Selection.values",
         "Absolute accelerations lack that of the base.",
-        old="row += history.base(t, one.dt)",
-        new="row += 0.0 * history.base(t, one.dt)",
+        old="np.outer(self._shares, history.base(t, one.dt))",
+        new="0.0",
     ),
     Fault(
         "statistics-impact-speed",
@@ -112,7 +112,7 @@ SUMMARIES = (
     Fault(
         "stress-of-the-whole-depth",
         "a factor",
-        "lapjoint:Beam.stress_per_moment_at",
+        "lapjoint:Line.stress_per_moment_at",
         "Stress is that at a fibre a whole depth from the axis, not half of it.",
         old="piece.section.depth / 2",
         new="piece.section.depth",
@@ -130,7 +130,7 @@ SUMMARIES = (
         "a term dropped",
         "lapjoint:Quantity.of",
         "Absolute quantities of a time series are relative to the base.",
-        old="return values + history.base(t, self.dt) if self.absolute else values",
+        old="return values + np.outer(history.problem.structure.base_shares(x), history.base(t, self.dt))",
         new="return values",
     ),
     Fault(

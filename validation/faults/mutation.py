@@ -21,8 +21,7 @@ ROOMS = ("analytic", "fe_lapjoint", "lapjoint/problem", "lapjoint/answers", "lap
 LEFT_OUT = (
     *("lapjoint/problem/example", "lapjoint/problem/files", "lapjoint/problem/messages", "lapjoint/problem/schema"),
     *("lapjoint/answers/contact_files", "lapjoint/campaigns/batch", "lapjoint/campaigns/cluster"),
-    *("lapjoint/campaigns/format_version", "lapjoint/campaigns/journal", "lapjoint/campaigns/running"),
-    *("lapjoint/campaigns/workers",),
+    *("lapjoint/campaigns/journal", "lapjoint/campaigns/running", "lapjoint/campaigns/workers"),
 )
 KINDS = ("sign", "factor 1.001", "dropped term", "off by one")
 

@@ -121,7 +121,9 @@ class BasinPlan(Spec):
         problem = self.problem
         gaps = [abs(stop.gap) for stop in problem.stops if stop.gap]
         base = problem.base_motion
-        size = (float(np.median(gaps)) if gaps else 1e-3 * problem.line.length) + float(getattr(base, "amplitude", 0.0))
+        size = (float(np.median(gaps)) if gaps else 1e-3 * problem.line.beams[0].length) + float(
+            getattr(base, "amplitude", 0.0)
+        )
         omega = problem.require_excitation_frequency("basins")
         first, second = (_WIDE * size * (omega if one.kind == "v" else 1.0) for one in plane.coordinates)
         return (-first, first), (-second, second)

@@ -26,6 +26,7 @@ def plain_start(start: Start) -> dict[str, Any]:
     away = start.away_from
     return {
         "closed": list(start.sequence.first.closed),
+        "released": list(start.sequence.first.released),
         "stops": list(start.sequence.stops),
         "half_periods": start.half_periods,
         "phase": start.phase,
@@ -40,7 +41,7 @@ def start_of(plain: Mapping[str, Any]) -> Start:
     """The motion whose values `plain_start` gave, to the last bit."""
     away, direction = plain["away_from"], plain["direction"]
     return Start(
-        ContactSequence(ContactState(tuple(plain["closed"])), tuple(plain["stops"])),
+        ContactSequence(ContactState(tuple(plain["closed"]), tuple(plain.get("released", ()))), tuple(plain["stops"])),
         plain["half_periods"],
         plain["phase"],
         np.array(plain["unknowns"], dtype=float),
@@ -54,25 +55,29 @@ def plain_curve(of: ParameterRange, points: Sequence[tuple[CurvePoint, bool]]) -
     """Curve points, each with whether the parameter may reverse along the curve there, as values that JSON can hold.
 
     ``equations`` holds the index of the zone, a part of the range that has one resolution; the stops that are closed at
-    the section; the stops that switch; the phase of the section; and the events that happen together,
-    `BoundaryProblem.tied`. ``knots`` holds, for each point, the number of its equations, the unknowns, and whether the
-    parameter may reverse there.
+    the section; the stops that switch; the phase of the section; the events that happen together,
+    `BoundaryProblem.tied`; and, if there are any, the closed stops that are released at the section.  ``knots`` holds,
+    for each point, the number of its equations, the unknowns, and whether the parameter may reverse there.
     """
     zones = [resolution for _, resolution in of.zones]
     numbers, knots = dict[tuple[Any, ...], int](), list[list[Any]]()
     for point, may_turn in points:
         problem = point.problem
         zone = next(i for i, one in enumerate(zones) if one is problem.resolution)
-        key = zone, problem.sequence.first.closed, problem.sequence.stops, problem.phase, problem.tied
+        first = problem.sequence.first
+        key = zone, first.closed, first.released, problem.sequence.stops, problem.phase, problem.tied
         knots.append([numbers.setdefault(key, len(numbers)), point.u.tolist(), may_turn])
-    equations = [[zone, list(closed), list(stops), phase, sorted(tied)] for zone, closed, stops, phase, tied in numbers]
+    equations = [
+        [zone, list(closed), list(stops), phase, sorted(tied), *([list(released)] if released else [])]
+        for zone, closed, released, stops, phase, tied in numbers
+    ]
     return {"equations": equations, "knots": knots}
 
 
 def problem_of(of: ParameterRange, equations: Sequence[Any], half_periods: int) -> BoundaryProblem:
     """The boundary value problem of one entry of the ``equations`` of `plain_curve`."""
-    zone, closed, stops, phase, tied = equations
-    sequence = ContactSequence(ContactState(tuple(closed)), tuple(stops))
+    zone, closed, stops, phase, tied, *released = equations
+    sequence = ContactSequence(ContactState(tuple(closed), *map(tuple, released)), tuple(stops))
     return BoundaryProblem(of.zones[zone][1], sequence, half_periods, phase, frozenset(tied))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from lapjoint.answers.branches import BifurcationKind
+from lapjoint.answers.contact_state import stop_of
 from lapjoint.answers.steady_state import SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.campaigns.branches.plain import plain_curve, plain_located, plain_start, start_of
 from lapjoint.campaigns.branches.spec import BranchSpec, range_of
@@ -142,7 +143,8 @@ def _row(of: ParameterRange, one: Found, errors: bool) -> dict[str, Any]:
         kind, point = _kind(what), what.point
     else:
         kind, point = "grazing", what.fewer
-        stop = what.stops[0] if point.twins is None else min(what.stops[0], point.twins[what.stops[0]])
+        stop = stop_of(what.stops[0])
+        stop = stop if point.twins is None else min(stop, point.twins[stop])
     known = stated(what) if errors else None
     value, error = (point.value, math.inf) if known is None else (known.value, known.error)
     period_map, section, multiple = point.problem.resolution.map(point.value), point.section(), _multiple(point)

@@ -31,7 +31,7 @@ from lapjoint.campaigns.dataset import (
 )
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.campaigns.sweep.spec import Plan
-from lapjoint.summaries.of_orbit import OF_STOPS
+from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -80,6 +80,7 @@ _CONTACTS = (
     Column(
         "contact_cut", "i1", "", "whether the contact is cut by the start or the end of the motion that is kept", _CUT
     ),
+    Column("contact_dissipated", "f8", "J", "energy that the stop takes and keeps", text_first=True),
 )
 """Variables of each contact, in the sequence of the fields of `PlainContact`."""
 
@@ -180,15 +181,16 @@ def _summary(plan: Plan, answers: _Answers) -> dict[str, Variable]:
 
 def _columns_of(name: str) -> list[Column]:
     """The variables of a further number, in the sequence in which `Point.summary` holds their values."""
-    if name in OF_STOPS:
-        units, text = OF_STOPS[name]
+    of_stops = OF_STOPS | OF_ALL
+    if name in of_stops:
+        units, text = of_stops[name]
     else:
         quantity, _, kind = name.rpartition("_")
         units = QUANTITIES[quantity].units
         what = "largest magnitude" if kind == "peak" else "root mean square"
         text = f"{what} of the {QUANTITIES[quantity].text}, where it is largest along the beam"
     error = Column(f"{name}_error", "f8", units, f"estimate of the numerical error of: {text}")
-    where = [] if name in OF_STOPS else [Column(f"{name}_x", "f8", "m", f"position of {name} from the root")]
+    where = [] if name in of_stops else [Column(f"{name}_x", "f8", "m", f"position of {name} from the root")]
     return [Column(name, "f8", units, text), error, *where]
 
 

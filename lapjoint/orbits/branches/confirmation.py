@@ -17,7 +17,8 @@ from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.errors import Located, Stated, again, resolution_of, stated, value_of, with_section
 from lapjoint.orbits.branches.point import CurvePoint
 from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
-from lapjoint.problem import FloatArray, SampledShape
+from lapjoint.problem import FloatArray
+from lapjoint.problem.placing import sampled_start
 
 Verdict = Literal["agrees", "apart", "not found", "no error stated"]
 """Whether two solvers locate a bifurcation at the same value of the parameter."""
@@ -70,12 +71,13 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     there."""
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
-    history, length = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.line.length
-    x = length * (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # dense at the ends, for the slopes there
-    x[0], x[-1] = 0.0, length
+    history, line = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.line
+    share = (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # dense at the ends, for the slopes there
+    x = np.concatenate([a + (b - a) * share for a, b in zip(line.starts, line.ends, strict=True)])
     z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
-    shape = SampledShape(x=tuple(x.tolist()), displacement=tuple(z.tolist()), velocity=tuple(v.tolist()))
-    begun = resolution.solver.period_map(resolution.problem_at(value).replace(initial=shape)).initial()
+    begun = resolution.solver.period_map(
+        resolution.problem_at(value).replace(initial=sampled_start(line, x, z, v))
+    ).initial()
     return with_section(point, resolution, resolution.map(value).adopted(begun))
 
 

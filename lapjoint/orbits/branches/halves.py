@@ -12,11 +12,18 @@ from itertools import product
 
 import numpy as np
 
-from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.arcs import ContactSequence, image_of
 from lapjoint.orbits.branches.bifurcations import Stretch, beside, flip_test, located_in
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, scale_of, solved
-from lapjoint.orbits.branches.sequence_changes import SequenceChange, ended_arc, nearest, on_duration, violated
+from lapjoint.orbits.branches.releases import vanishing
+from lapjoint.orbits.branches.sequence_changes import (
+    SequenceChange,
+    ended_arc,
+    nearest,
+    on_duration,
+    violated,
+)
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
@@ -52,7 +59,7 @@ def _doubled(point: CurvePoint) -> tuple[BoundaryProblem, FloatArray, FloatArray
     problem, n, M = point.problem, point.coordinates, point.problem.events
     twins = mirror_twins(problem.arcs(point.u).problem) if problem.half_periods % 2 else None
     stops = problem.sequence.stops
-    image = tuple(twins[k] for k in stops) if twins is not None else stops
+    image = tuple(image_of(k, twins) for k in stops) if twins is not None else stops
     shares = point.shares
     J = point.linearisation.jacobian
     vector, moved = np.linalg.svd(point.linearisation.monodromy + np.eye(n))[2][-1], np.zeros(M + 1)
@@ -96,10 +103,16 @@ def beside_graze(change: SequenceChange) -> CurvePoint | None:
     problem, n, M = more.problem, more.coordinates, more.problem.events
     twins = mirror_twins(problem.arcs(more.u).problem) if problem.half_periods % 2 else None
     arc, stops, shares = ended_arc(problem, more.u), problem.sequence.stops, (more.shares / 2).tolist()
-    image = [twins[k] for k in stops] if twins is not None else list(stops)
+    image = [image_of(k, twins) for k in stops] if twins is not None else list(stops)
+    events = vanishing(problem.sequence, arc)
+    if events is None:
+        return None
     twice = [*shares[:-1], shares[-1] + shares[0], *shares[1:]]
-    twice[M + arc - 1 : M + arc + 2] = [sum(twice[M + arc - 1 : M + arc + 2])]
-    order = ContactSequence(problem.sequence.first, (*stops, *image[: arc - 1], *image[arc + 1 :]))
+    gone, instead = events
+    first, last = M + gone[0] + len(instead), M + gone[-1] + 2
+    twice[first:last] = [sum(twice[first:last])]
+    left = [k if twins is None else image_of(k, twins) for k in instead]
+    order = ContactSequence(problem.sequence.first, (*stops, *image[: gone[0]], *left, *image[gone[-1] + 1 :]))
     doubled = replace(problem, sequence=order, half_periods=2 * problem.half_periods)
     graze = on_duration(doubled, doubled.packed(more.u[:n], np.array(twice), more.value), arc)
     new = None if graze is None else solved(doubled, graze.predicted(_AWAY[0]), graze.scale, graze.tangent)
@@ -119,9 +132,9 @@ def half_difference(point: CurvePoint) -> FloatArray | None:
     if odd or M % 2 or (half % 2 and twins is None):
         return None
     stops, states = problem.sequence.stops, problem.sequence.states
-    image = tuple(twins[k] for k in stops[: M // 2]) if twins is not None else stops[: M // 2]
-    expected = {twins[k] for k in states[0].closed} if twins is not None else set(states[0].closed)
-    if stops[M // 2 :] != image or set(states[M // 2].closed) != expected:
+    image = tuple(image_of(k, twins) for k in stops[: M // 2]) if twins is not None else stops[: M // 2]
+    expected = states[0].mirrored(twins) if twins is not None else states[0]
+    if stops[M // 2 :] != image or states[M // 2] != expected:
         return None
     arcs, chain = problem.arcs(point.u), point.linearisation.chain
     time, began = problem.time(point.u) + problem.length(point.u) / 2, float(chain.times[M // 2])

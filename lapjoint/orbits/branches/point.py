@@ -8,14 +8,13 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.steady_state import ComplexArray, SectionPoint
-from lapjoint.orbits.arcs import ContactSequence
+from lapjoint.orbits.arcs import ContactSequence, image_of
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem, Linearisation
 from lapjoint.orbits.branches.newton import Solution, solve
 from lapjoint.orbits.compiled_extrema import gap_extrema
 from lapjoint.orbits.compiled_intervals import IndexArray, Motion, Stops
-from lapjoint.orbits.watch import stops_of
+from lapjoint.orbits.watch import row_of, rows_of, switches_of
 from lapjoint.problem import FloatArray
 from lapjoint.problem.symmetry import mirror_twins
 
@@ -34,7 +33,7 @@ class GapExtrema:
     arc: IndexArray
     """Index of the arc of each extremum, shape ``(m,)``."""
     stop: IndexArray
-    """Index of the stop of each extremum, shape ``(m,)``."""
+    """The switch of each extremum: k of a stop, or ~k of the force of a damped stop, shape ``(m,)``."""
     time: FloatArray
     """Time of each, in s from the section, shape ``(m,)``."""
     violation: FloatArray
@@ -116,40 +115,51 @@ class CurvePoint:
         if not structure.stops:
             none = np.zeros(0, dtype=np.intp)
             return GapExtrema(none, none, np.zeros(0), np.zeros(0), 0.0)
-        motion, stops = arcs.motion(self.problem.sequence, chain, self.durations), stops_of(structure.stops)
+        motion, stops = arcs.motion(self.problem.sequence, chain, self.durations), rows_of(structure.stops)
         stop, time, value, highest = gap_extrema(motion, stops)
         began = motion.start[motion.duration > 0]
         arc = np.flatnonzero(motion.duration > 0)[np.searchsorted(began, time, side="right") - 1]
-        is_open = motion.orientation[arc, stop] > 0
+        orientation = motion.orientation[arc, stop]
+        is_open = orientation > 0
         sizes = self._sizes(stops.gap)
-        keep: npt.NDArray[np.bool_] = (highest == is_open) & ~self._switches(motion, arc, stop, time)
+        keep: npt.NDArray[np.bool_] = (highest == is_open) & (orientation != 0)
+        keep &= ~self._switches(motion, arc, stop, time)
         levels = self._levels(motion, stops)
         value = value - levels[arc, stop]
         violation = np.where(is_open, value, -value) / sizes[stop]
         lost = float((np.abs(levels) / sizes).max(initial=0.0))
-        return GapExtrema(arc[keep], stop[keep], time[keep], violation[keep], lost)
+        return GapExtrema(arc[keep], switches_of(structure.stops)[stop[keep]], time[keep], violation[keep], lost)
+
+    @cached_property
+    def _rows(self) -> IndexArray:
+        """The row of `rows_of` that switches at each event, shape ``(M,)``."""
+        stops = self.problem.arcs(self.u).problem.structure.stops
+        return np.array([row_of(stops, switch) for switch in self.problem.sequence.stops], dtype=np.intp)
 
     def _switches(self, motion: Motion, arc: IndexArray, stop: IndexArray, time: FloatArray) -> npt.NDArray[np.bool_]:
         """Whether extrema, ``m`` of them, lie where their own stop switches, at the start of an arc."""
         found = np.zeros(arc.size, dtype=bool)
         for i in np.flatnonzero((arc > 0) & (time == motion.start[arc])):
             before = int(np.flatnonzero(motion.duration[: arc[i]] > 0)[-1])
-            found[i] = stop[i] in self.problem.sequence.stops[before : arc[i]]
+            found[i] = stop[i] in self._rows[before : arc[i]]
         return found
 
     def _levels(self, motion: Motion, stops: Stops) -> FloatArray:
         """Value of each gap function at which its stop switches in each arc, in m, shape ``(M + 1, P)``.
 
         A stop that has just switched switches back at the value with which its arc began.  This value is zero, except
-        for the part of the motion that is lost at a change of contact state.
+        for the part of the motion that is lost at a change of contact state.  A damped stop opens at the value with
+        which its contact began.
         """
-        levels, switched = np.zeros(motion.orientation.shape), np.array(self.problem.sequence.stops, dtype=np.intp)
+        levels, switched = np.zeros(motion.orientation.shape), self._rows
         if switched.size:
             after = [self.problem.group(i)[-1] + 1 for i in range(switched.size)]
             arcs, place = np.array(after), stops.place[switched]
             waves = (motion.weights[arcs, place] * motion.amplitudes[arcs]).real.sum(axis=1)
             z = waves + motion.polynomial[arcs, place, 0]
             levels[arcs, switched] = stops.sign[switched] * z - stops.gap[switched]
+            for i in np.flatnonzero(self.problem.sequence.joining):
+                levels[i, switched[i]] = levels[i - 1, switched[i]]
         return levels
 
     def _sizes(self, gaps: FloatArray) -> FloatArray:
@@ -165,14 +175,12 @@ class CurvePoint:
         for a closed stop, and of minus the gap function for an open stop, in the contact state of the arc.
         """
         arcs = self.problem.arcs(self.u)
-        motion, stops = (
-            arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations),
-            arcs.problem.structure.stops,
-        )
-        place, rates = stops_of(stops).place[stop], motion.rates[arc]
+        motion = arcs.motion(self.problem.sequence, self.linearisation.chain, self.durations)
+        rows, row = rows_of(arcs.problem.structure.stops), row_of(arcs.problem.structure.stops, stop)
+        place, rates = rows.place[row], motion.rates[arc]
         waves, (_, one, two) = motion.weights[arc, place] * motion.amplitudes[arc], motion.polynomial[arc, place]
         rate, second = (float((waves * power).real.sum()) for power in (rates, rates**2))
-        sign = -motion.orientation[arc, stop] * stops[stop].sign
+        sign = -motion.orientation[arc, row] * rows.sign[row]
         return float(sign * (rate + one)), float(sign * (second + 2 * two))
 
     def predicted(self, length: float) -> FloatArray:
@@ -203,7 +211,7 @@ class CurvePoint:
             state, began = self.problem.sequence.states[i], float(chain.times[i])
             there = arcs.later(state, chain.starts[i], began, k * half - began)
             if k % 2 and twins is not None:
-                state, there = ContactState(tuple(twins[stop] for stop in state.closed)), -there
+                state, there = state.mirrored(twins), -there
             found.append(arcs.point(state, there))
         return found
 
@@ -286,7 +294,7 @@ def _at_section(problem: BoundaryProblem, u: FloatArray, arc: int, shift: float)
         start = -start if mirrored else start
     else:
         start = arcs.later(sequence.states[arc], chain.starts[arc], float(chain.times[arc]), shift)
-    image = [twins[k] for k in stops[:arc]] if twins is not None else list(stops[:arc])
+    image = [image_of(k, twins) for k in stops[:arc]] if twins is not None else list(stops[:arc])
     if arc:
         lengths = [durations[arc] - shift, *durations[arc + 1 : -1], durations[-1] + durations[0], *durations[1:arc]]
     else:

@@ -4,6 +4,12 @@ An arc ends where its duration passes zero.  If it lies between two events of on
 vanishes with both events.  If it lies between events of two stops, the events change their order.  If an extremum of a
 gap function passes zero, a contact is born while the stop is open, or split by a flight while the stop is closed.
 
+A damped stop that may not pull has a graze of its own.  A touch at zero velocity begins three events, as the force ends
+at once, and then the stop opens: their two arcs vanish together.  A contact that is split by a flight loses the moment
+at which its force would begin again, because the touch after the flight begins the force.  The touch of another damped
+stop, whose force jumps, bends the gap function of a force: at such a corner a force begins before and ends after the
+touch, or ends before and begins after it.
+
 The curves on both sides of a change meet where the arc's duration and the extremum are zero.  If a solver loses a part
 of the motion at a change of contact state, the two curves miss each other by an error of truncation, see
 `SequenceChange.offset`.
@@ -18,10 +24,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import toms748
 
+from lapjoint.answers.contact_state import stop_of
 from lapjoint.orbits.arcs import ContactSequence
 from lapjoint.orbits.branches.bifurcations import beside, nearest_of
 from lapjoint.orbits.branches.boundary_problem import BoundaryProblem
 from lapjoint.orbits.branches.point import SAME, CurvePoint, holding, scale_of, solved
+from lapjoint.orbits.branches.releases import acts, lets_go, vanishing, with_new_release
 from lapjoint.problem import FloatArray
 
 ChangeKind = Literal["birth", "end", "split", "merge", "exchange"]
@@ -33,6 +41,8 @@ _CLEARLY = 1e-7
 changes by up to a hundred times an arclength."""
 _MOST_AT_ONCE = 6
 """Largest number of changes that are located together; a motion of four periods has at most six similar parts."""
+_ROUNDED = 1e-12
+"""Distance of an extremum from an event, divided by the length of the motion, that is rounding."""
 _ACROSS = 0.5
 """Fraction of a step's length by which a located change may lie outside the step."""
 
@@ -45,7 +55,7 @@ class Monitor(NamedTuple):
     arc: int
     """The arc of the duration, or of the extremum."""
     stop: int
-    """The stop of the extremum; -1 for a duration."""
+    """The switch of the extremum, k of a stop or ~k of a force; 0 for a duration."""
     time: float
     """Time of the extremum from the section, divided by the length of the motion; 0 for a duration."""
     value: float
@@ -100,7 +110,7 @@ def violated(point: CurvePoint) -> list[Monitor]:
     """The monitors of a point that are above zero; none if the motion has the contact sequence of its equations."""
     shares = point.shares
     found = [
-        Monitor("duration", i, -1, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
+        Monitor("duration", i, 0, 0.0, float(-shares[i])) for i in point.problem.free[1:].tolist() if shares[i] < 0
     ]
     its, length = point.extrema, point.problem.length(point.u)
     for i in np.flatnonzero(its.violation > point.tolerance):
@@ -113,17 +123,21 @@ def violated(point: CurvePoint) -> list[Monitor]:
 def same_monitor(point: CurvePoint, monitor: Monitor) -> Monitor | None:
     """A monitor with its value at another point of the curve; None if the motion there has no such extremum.
 
-    Of several extrema in one arc, the one farthest beyond the stop counts.
+    Of several extrema in one arc, the one farthest beyond the stop counts.  An extremum of a stop's own gap function
+    may pass to the next arc where a force begins.
     """
     if monitor.kind == "duration":
         return monitor._replace(value=float(-point.shares[monitor.arc]))
     its = point.extrema
-    mine = np.flatnonzero((its.stop == monitor.stop) & (its.arc == monitor.arc))
+    parts = np.arange(point.problem.events + 1)
+    if monitor.stop >= 0:  # arcs of the same closed stops
+        parts = np.cumsum([0, *(switch >= 0 for switch in point.problem.sequence.stops)])
+    mine = np.flatnonzero((its.stop == monitor.stop) & (parts[its.arc] == parts[monitor.arc]))
     if not mine.size:
         return None
     best = int(mine[np.argmax(its.violation[mine])])
     time = float(its.time[best]) / point.problem.length(point.u)
-    return monitor._replace(time=time, value=float(its.violation[best]))
+    return monitor._replace(arc=int(its.arc[best]), time=time, value=float(its.violation[best]))
 
 
 def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Monitor, CurvePoint] | None:
@@ -143,10 +157,31 @@ def first_change(start: CurvePoint, end: CurvePoint, length: float) -> tuple[Mon
             return None
         best, seen = located, seen + 1
         upper = start.arclength(located[1])
-        there = [one for one in violated(located[1]) if not located[0].is_of(one)]
+        beside = _together(located[1], located[0])
+        there = [one for one in violated(located[1]) if not (located[0].is_of(one) or one.arc in beside)]
         if seen > end.problem.events + len(end.extrema.stop):
             return None
     return best
+
+
+def _together(point: CurvePoint, monitor: Monitor) -> set[int]:
+    """The arcs of no duration that vanish together with the arc of a monitor: of a damped stop's contact, or at a
+    corner."""
+    if monitor.kind == "extremum":
+        return set()
+    i, joining, corner = monitor.arc, point.problem.sequence.joining, _corner(point, monitor.arc)
+    found = {k for j in (i, i + 1) if True in joining[j : j + 1] for k in (j - 1, j)}
+    found |= set() if corner is None else {corner, corner + 1}
+    return {k for k in found if abs(point.shares[k]) <= SAME}
+
+
+def _corner(point: CurvePoint, arc: int) -> int | None:
+    """The touch at whose corner a force begins and ends, or ends and begins, if its arcs beside have no duration."""
+    stops, shares = point.problem.sequence.stops, np.abs(point.shares)
+    for k in (arc - 1, arc):
+        if 0 < k < len(stops) - 1 and stops[k - 1] == stops[k + 1] < 0 <= stops[k] and max(shares[k : k + 2]) <= SAME:
+            return k
+    return None
 
 
 def _estimate(start: CurvePoint, monitor: Monitor, length: float) -> float:
@@ -242,7 +277,10 @@ def crossed(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     if monitor.kind == "extremum":
         return _with_new_events(monitor, before)
     stops, i = before.problem.sequence.stops, monitor.arc
-    if stops[i - 1] != stops[i]:
+    corner = _corner(before, i)
+    if corner is not None:
+        return _without_corner(before, corner)
+    if stop_of(stops[i - 1]) != stop_of(stops[i]):
         return _exchanged(monitor, before)
     return _without_events(monitor, before)
 
@@ -252,17 +290,59 @@ def _with_new_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
     together."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
     sequence, shares, stops = problem.sequence, before.shares.tolist(), _touching(before, monitor)
+    kind: ChangeKind = "split" if acts(sequence.states[i], monitor.stop) else "birth"
+    if any(lets_go(before, stop) for stop in stops):
+        its = None if len(stops) > 1 else with_new_release(before, monitor.stop, i, monitor.time)
+        return SequenceChange(kind, (monitor.stop,), before, *_on_new_arc(its, monitor))
     began, more = sum(shares[:i]), len(stops) - 1
+    if monitor.stop < 0 and i > 0 and abs(monitor.time - began) <= _ROUNDED:
+        return SequenceChange(kind, (monitor.stop,), before, _with_new_corner(monitor, before))
     shares[i : i + 1] = [monitor.time - began, *[0.0] * (2 * more + 1), shares[i] - (monitor.time - began)]
     order = (*sequence.stops[:i], *stops, *reversed(stops), *sequence.stops[i:])
     tied = {k if k < i else k + 2 * len(stops) for k in problem.tied}
     tied |= {*range(i + 1, i + 1 + more), *range(i + 2 + more, i + 2 + 2 * more)}
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=frozenset(tied))
-    arc = i + 1 + more
-    after = on_duration(new, new.packed(before.u[:n], shares, before.value), arc)
-    kind: ChangeKind = "split" if monitor.stop in sequence.states[i] else "birth"
-    reverses = arc if after is not None and after.entering(arc, monitor.stop)[1] > 0 else None
-    return SequenceChange(kind, (monitor.stop,), before, after, reverses)
+    made = new, new.packed(before.u[:n], shares, before.value), i + 1 + more
+    return SequenceChange(kind, (monitor.stop,), before, *_on_new_arc(made, monitor))
+
+
+def _on_new_arc(
+    made: tuple[BoundaryProblem, FloatArray, int] | None, monitor: Monitor
+) -> tuple[CurvePoint | None, int | None]:
+    """The point after a change with its new arc of no duration, and this arc if it is on the wrong side of the stop."""
+    after = None if made is None else on_duration(*made)
+    if made is None or after is None:
+        return None, None
+    return after, made[2] if after.entering(made[2], monitor.stop)[1] > 0 else None
+
+
+def _with_new_corner(monitor: Monitor, before: CurvePoint) -> CurvePoint | None:
+    """The point after a force has begun to switch before and after a touch; None if it is not found."""
+    problem, i, shares = before.problem, monitor.arc, before.shares.tolist()
+    sequence, stops = problem.sequence, problem.sequence.stops
+    if {i - 1, i} & problem.tied:
+        return None
+    shares[i:i] = [0.0, 0.0]
+    order = (*stops[: i - 1], monitor.stop, stops[i - 1], monitor.stop, *stops[i:])
+    tied = frozenset(k if k < i else k + 2 for k in problem.tied)
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
+    return on_duration(new, new.packed(before.u[: before.coordinates], shares, before.value), i)
+
+
+def _without_corner(before: CurvePoint, k: int) -> SequenceChange:
+    """The change in which a force stops switching before and after event `k`, a touch."""
+    problem, shares = before.problem, before.shares.tolist()
+    sequence, stops = problem.sequence, problem.sequence.stops
+    force, time = stops[k - 1], sum(shares[: k + 1])
+    kind: ChangeKind = "end" if acts(sequence.states[k], force) else "merge"
+    if {k - 1, k, k + 1, k + 2} & problem.tied:
+        return SequenceChange(kind, (force,), before, None)
+    shares[k - 1 : k + 3] = [shares[k - 1] + shares[k], shares[k + 1] + shares[k + 2]]
+    order = (*stops[: k - 1], stops[k], *stops[k + 2 :])
+    tied = frozenset(i if i < k else i - 2 for i in problem.tied)
+    new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
+    guess = new.packed(before.u[: before.coordinates], shares, before.value)
+    return SequenceChange(kind, (force,), before, at_graze(new, guess, Monitor("extremum", k, force, time, 0.0)))
 
 
 def _touching(point: CurvePoint, monitor: Monitor) -> list[int]:
@@ -300,8 +380,9 @@ def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurveP
 
 def ended_arc(problem: BoundaryProblem, u: FloatArray) -> int:
     """The shortest arc between two events of one stop, of unknowns of shape (n + F + 1,)."""
-    shares, returning = np.abs(problem.shares(u)), problem.sequence.returning
-    return min((i for i in range(1, problem.events) if returning[i]), key=lambda i: float(shares[i]))
+    shares, sequence = np.abs(problem.shares(u)), problem.sequence
+    both = [i for i in range(1, problem.events) if sequence.returning[i] or True in sequence.joining[i + 1 : i + 2]]
+    return min(both, key=lambda i: float(shares[i]))
 
 
 def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:
@@ -311,20 +392,29 @@ def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChang
     """
     arc = ended_arc(problem, guess)
     point = on_duration(problem, guess, arc)
-    return None if point is None else crossed(Monitor("duration", arc, -1, 0.0, 0.0), point)
+    return None if point is None else crossed(Monitor("duration", arc, 0, 0.0, 0.0), point)
 
 
 def _without_events(monitor: Monitor, before: CurvePoint) -> SequenceChange:
-    """The change in which two events of one stop vanish together with the arc between them."""
+    """The change in which the events of one stop vanish together with the arc between them."""
     problem, i, n = before.problem, monitor.arc, before.coordinates
-    sequence, shares, first, last = problem.sequence, before.shares.tolist(), problem.group(i - 1), problem.group(i)
-    stop, time, gone = sequence.stops[i], sum(shares[:i]), range(first[0], last[-1] + 1)
-    kind: ChangeKind = "end" if stop in sequence.states[i] else "merge"
-    if {sequence.stops[k] for k in first} != {sequence.stops[k] for k in last}:
+    sequence, shares, events = problem.sequence, before.shares.tolist(), vanishing(problem.sequence, i)
+    stop = sequence.stops[i] if sequence.stops[i] == sequence.stops[i - 1] else stop_of(sequence.stops[i])
+    kind: ChangeKind = "end" if acts(sequence.states[i], stop) else "merge"
+    if events is None:
         return SequenceChange(kind, (stop,), before, None)
-    shares[gone[0] : gone[-1] + 2] = [sum(shares[gone[0] : gone[-1] + 2])]
-    order = (*sequence.stops[: gone[0]], *sequence.stops[gone[-1] + 1 :])
-    tied = frozenset(k if k < gone[0] else k - len(gone) for k in problem.tied if k not in gone)
+    (gone, instead), time = events, sum(shares[:i])
+    first, last = problem.group(gone[0]), problem.group(gone[-1])
+    if {sequence.stops[k] for k in first} != {sequence.stops[k] for k in last} or (
+        len(first) > 1 and lets_go(before, stop)
+    ):
+        return SequenceChange(kind, (stop,), before, None)
+    gone = range(first[0], last[-1] + 1)
+    kept = shares[gone[0] : gone[0] + len(instead)]
+    shares[gone[0] : gone[-1] + 2] = [*kept, sum(shares[gone[0] + len(instead) : gone[-1] + 2])]
+    order = (*sequence.stops[: gone[0]], *instead, *sequence.stops[gone[-1] + 1 :])
+    fewer = len(gone) - len(instead)
+    tied = frozenset(k if k < gone[0] else k - fewer for k in problem.tied if k not in gone)
     new = replace(problem, sequence=ContactSequence(sequence.first, order), tied=tied)
     monitor = Monitor("extremum", gone[0], stop, time, 0.0)
     guess = new.packed(before.u[:n], shares, before.value)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lapjoint.answers.contact_state import FREE
+from lapjoint.answers.contact_state import FREE, stop_of
 from lapjoint.answers.steady_state import SectionPoint
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.arcs import ContactSequence
@@ -17,6 +17,7 @@ from lapjoint.orbits.branches.sequence_changes import nearest, violated
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import FAR, Orbit, find_orbit
 from lapjoint.orbits.search import TRANSIENT, Effort, SteadyStateSearch
+from lapjoint.orbits.watch import switches_of
 from lapjoint.problem import FloatArray
 
 
@@ -126,9 +127,11 @@ def of_motion(resolution: Resolution, value: float, point: SectionPoint, half_pe
     segments = half.linearised(point, half_periods).linearised.motion
     at = np.flatnonzero(segments.switched >= 0)
     shares = np.diff(segments.end[at], prepend=0.0) / (half_periods * half.map.period / 2)
-    sequence = ContactSequence(point.state, tuple(segments.switched[at].tolist()))
+    switches = switches_of(half.map.problem.structure.stops)[segments.switched[at]]
+    sequence = ContactSequence(point.state, tuple(switches.tolist()))
+    stops = [stop_of(switch) for switch in sequence.stops]
     at_once = np.abs(shares) < SAME
-    tied = frozenset(i for i in range(1, at.size) if at_once[i] and not sequence.returning[i])
+    tied = frozenset(i for i in range(1, at.size) if at_once[i] and stops[i] != stops[i - 1])
     problem = BoundaryProblem(resolution, sequence, half_periods, 0.0, tied)
     u = problem.packed(resolution.arcs(value).coordinates(point), shares, value)
     return Start(sequence, half_periods, 0.0, u, tied)

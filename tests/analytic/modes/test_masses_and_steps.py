@@ -19,7 +19,8 @@ from lapjoint.problem.beam import BeamSegment, Tube
 from lapjoint.problem.masses import Mass
 from lapjoint.problem.static_loads import Gravity, UniformLoad
 from tests.helpers.beams import CLAMP, LONG
-from tests.helpers.laden_beams import frequencies_below, random_beam
+from tests.helpers.exact_beams import ExactBeam
+from tests.helpers.random_joints import random_beam
 
 DIGITS = 60
 MODES = 40
@@ -41,20 +42,21 @@ def assert_frequencies(seed: int, judged: list[int]) -> None:
     """None is missed, and each is right to 1e-11 of itself, or of `unit_frequency` where that is more."""
     problem, state = random_state(seed)
     omega, unit = exact_modes(problem, state, MODES).omega, unit_frequency(problem)
+    exact = ExactBeam.of(problem, state.closed)
     with mp.workdps(DIGITS):
         for i in judged:
             least = 1e-11 * max(omega[i], unit)
             above = mp.mpf(float(omega[i])) + least
             below = mp.mpf(float(omega[i])) - least
-            assert frequencies_below(problem, above, state.closed) >= i + 1
-            assert below <= 0 or frequencies_below(problem, below, state.closed) <= i
+            assert exact.pivots(above)[0] >= i + 1
+            assert below <= 0 or exact.pivots(below)[0] <= i
 
 
 def assert_orthonormal(seed: int) -> None:
     """(16), (18) with the mass as weight.  Frequencies near each other have shapes that hold fewer digits."""
     problem, state = random_state(seed)
     modes = exact_modes(problem, state, MODES)
-    products = gram(modes.shapes, modes.shapes, inertia_of(problem.beam, problem.masses))
+    products = gram(modes.shapes, modes.shapes, inertia_of(problem.line, problem.masses))
     omega = modes.omega
     near = np.abs(omega[:, None] - omega) / np.maximum(np.maximum(omega[:, None], omega), 1e-300)
     allowed = np.where(near > 0, 1e-12 + 1e-14 / np.maximum(near, 1e-14) * (near < 0.01), 1e-12)
@@ -94,7 +96,7 @@ def test_inner_products_agree_with_quadrature(seed: int) -> None:
     points, weights = np.polynomial.legendre.leggauss(20)
     half = np.diff(edges)[:, None] / 2
     x, w = (edges[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
-    expected = (one(x) * problem.beam.inertia_at(x) * w) @ other(x).T
+    expected = (one(x) * problem.line.inertia_at(x) * w) @ other(x).T
     heaviest = 1.0
     for mass in problem.masses:
         at = np.array([mass.x])
@@ -102,7 +104,7 @@ def test_inner_products_agree_with_quadrature(seed: int) -> None:
         beam = problem.beam
         heaviest += (mass.mass + mass.rotary_inertia / beam.length**2) / (beam.m * beam.length)
     # A displacement at a mass, from the waves, has a rounding error that the mass multiplies.
-    found = gram(one, other, inertia_of(problem.beam, problem.masses))
+    found = gram(one, other, inertia_of(problem.line, problem.masses))
     np.testing.assert_allclose(found, expected, atol=1e-13 * (10 + heaviest))
 
 
@@ -222,14 +224,14 @@ def test_foundation_shapes_have_the_modal_content_that_their_equation_says(seed:
     problem = loaded(seed)
     for state in (FREE, ContactState((0,))):
         modal = modal_state(loaded_structure(problem), state, 30)
-        found = modal.residual.foundation.products(modal.modes.shapes, inertia_of(problem.beam, problem.masses))
+        found = modal.residual.foundation.products(modal.modes.shapes, inertia_of(problem.line, problem.masses))
         expected = modal.residual.weights
         assert np.all(np.abs(found - expected) <= 1e-10 * np.linalg.norm(expected, axis=1)[:, None])
 
 
 def test_modal_forces_of_gravity_and_of_the_base_are_integrals_of_what_moves() -> None:
     problem = loaded(5)
-    beam, modal = problem.beam, modal_state(loaded_structure(problem), FREE, 10)
+    beam, modal = problem.line, modal_state(loaded_structure(problem), FREE, 10)
     points, weights = np.polynomial.legendre.leggauss(40)
     expected = np.zeros(10)
     for start, end in pairwise(modal.modes.shapes.nodes):

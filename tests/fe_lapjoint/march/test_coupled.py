@@ -1,34 +1,24 @@
-"""Damped stops on a mesh: flows, motions, switches, deviations and energies against brute force."""
+"""The flow of a mesh that damped stops couple, against the matrix exponential; and what damped stops do not reach."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
 import scipy.linalg
+from damped_stops import model_of, pinned_bar
+from random_joints import damped_cantilever
 
 from fe_lapjoint import Solver
 from fe_lapjoint.march.coupled import Coupled, exponentials, flow_from
-from fe_lapjoint.march.field import history_of
-from fe_lapjoint.march.initial import initial_coordinates, initial_state
-from fe_lapjoint.march.march import march
-from fe_lapjoint.march.model import Model
-from fe_lapjoint.march.tangent import Carried
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import InputError
-from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.problem import FloatArray, Problem
-from tests.helpers.damped_mesh import MeshForWitness, model_of, random_damped_mesh
-from tests.helpers.damped_stops import random_damped_joint, witnessed
-
-BEGIN = 0.3  # s: when deviations begin, after a motion that has met its stops
 
 
 def random_state(seed: int) -> Coupled | None:
     """A state of a random joint on a mesh in which all damped stops are closed, and some of them released."""
     rng = np.random.default_rng(seed)
-    problem = random_damped_joint(rng)
+    problem = damped_cantilever(rng)
     model = model_of(problem, int(rng.integers(2, 8)))
     closed = tuple(k for k in range(len(problem.stops)) if k in model.damped or rng.random() < 0.5)
     may = [k for k in model.damped if not problem.stops[k].may_pull]
@@ -88,7 +78,7 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
 
 def test_flow_of_a_rigid_body_beside_a_damped_stop() -> None:
     """Modal damping stays that of the closed stop when its force has ended; the bar then turns freely, with drag."""
-    problem = pinned_bar(5.0).replace(damping={"kind": "modal", "ratio": 0.05})
+    problem = pinned_bar(5.0, EI=1e7).replace(damping={"kind": "modal", "ratio": 0.05})
     for state in (ContactState((0,)), ContactState((0,), (0,))):
         system = model_of(problem, 1).system(state)
         assert isinstance(system, Coupled)
@@ -109,151 +99,8 @@ def test_flow_of_a_rigid_body_beside_a_damped_stop() -> None:
             assert flow.integral_at_stops(t)[0] == pytest.approx(float(reads[0] @ weights) * t / 2, rel=1e-6)
 
 
-def pinned_bar(damping: float, may_pull: bool = False) -> Problem:
-    """A bar on a pin whose tip moves as 1 kg under 10 m/s2, with a stop 2 m below: SDND108 of Code_Aster."""
-    stop = {"x": 1.0, "side": "bottom", "gap": 2.0, "stiffness": 100.0, "damping": damping, "may_pull": may_pull}
-    return Problem.model_validate(
-        {
-            "beam": {"length": 1.0, "bending_stiffness": 1e7, "mass_per_length": 3.0},
-            "supports": [{"x": 0.0, "translational": math.inf}],
-            "stops": [stop],
-            "point_loads": [{"kind": "step", "x": 1.0, "force": -10.0}],
-            "initial": {"kind": "polynomial", "velocity": [0.0, -1.0]},
-        }
-    )
-
-
-@pytest.mark.parametrize(
-    ("damping", "may_pull", "end", "z"),
-    [
-        (0.0, False, 0.88545615307643, -1.3321629818551),
-        (5.0, True, 0.92403882486238, -1.8821407968322),
-        (5.0, False, 0.86570174672577, -1.8511084325939),
-    ],
-)
-def test_a_bar_on_a_pin_moves_as_its_closed_form(damping: float, may_pull: bool, end: float, z: float) -> None:
-    # `end` and `z` are mpmath's roots of the closed form; bending moves them by 1e-5
-    motion = Solver(elements=1).simulate(pinned_bar(damping, may_pull), 1.0, errors=False)
-    (contact,) = motion.contacts
-    assert contact.start == pytest.approx((math.sqrt(41) - 1) / 10, abs=2e-5)
-    assert contact.end == pytest.approx(end, abs=2e-5)
-    assert motion.evaluate(1.0, 1.0)[0, 0] == pytest.approx(z, abs=2e-4)
-
-
-def check_motion(seed: int, end: float = 2.0) -> int:
-    """Compare a march to `end`, s, with the witness; the number of switches that end or begin a force alone."""
-    model = random_damped_mesh(np.random.default_rng(seed))
-    problem, state, P = model.problem, initial_state(model), len(model.problem.stops)
-    y = initial_coordinates(model.assembly, model.system(state))
-    motion, mesh = march(model, state, y, 0.0, end), MeshForWitness(model)
-    witness = witnessed(mesh, state, *mesh.in_modes(state, y), end)  # type: ignore[arg-type]
-    switched = [piece for piece in motion.pieces if piece.switched >= 0]
-    indices = [it.switched if it.switched < P else ~model.damped[it.switched - P] for it in switched]
-    assert tuple(indices) == witness.indices
-    assert [it.end for it in switched] == pytest.approx(witness.times, abs=1e-8)
-    assert motion.state == witness.state
-    q, v = mesh.in_modes(motion.state, motion.y)
-    assert np.abs(q - witness.q).max() < 1e-7 * np.abs(witness.q).max()
-    assert np.abs(v - witness.v).max() < 1e-7 * np.abs(witness.v).max()
-    history = history_of("", model, [motion], end)
-    assert history.impulses() == pytest.approx(witness.impulses, rel=1e-7, abs=1e-9)
-    lost = np.zeros(P)
-    for contact in history.contacts:
-        lost[contact.stop] += contact.dissipated
-    damped = list(model.damped)
-    assert lost[damped] == pytest.approx(witness.dissipated[damped], rel=1e-6, abs=1e-9)
-    inside = history.contact_force(np.linspace(0, end, 2001))
-    for k in model.damped:
-        stop = problem.stops[k]
-        if not stop.may_pull:
-            peak = max((c.peak_force for c in history.contacts if c.stop == k), default=0.0)
-            assert np.max(-stop.sign * inside[k]) <= peak * (1 + 1e-9) + 1e-12
-    return sum(index < 0 for index in indices)
-
-
-def test_motions_switch_where_brute_force_finds_it() -> None:
-    assert check_motion(3, 0.6) > 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [*range(8), *range(9, 60)])
-def test_many_motions_switch_where_brute_force_finds_it(seed: int) -> None:
-    check_motion(seed)
-
-
-def marched(model: Model, state: ContactState, y: FloatArray, end: float) -> tuple[FloatArray, list[int]]:
-    """(q, q') at the end, and what switches."""
-    motion = march(model, state, y, BEGIN, end, record=False)
-    return motion.y, [piece.switched for piece in motion.pieces if piece.switched >= 0]
-
-
-def check_tangent(seed: int) -> None:
-    """Compare the derivative of a march over 1.2 s with central differences of fourth order."""
-    model = random_damped_mesh(np.random.default_rng(seed))
-    state = initial_state(model)
-    first = march(model, state, initial_coordinates(model.assembly, model.system(state)), 0.0, BEGIN)
-    state, start, n, end = first.state, first.y, first.y.size // 2, 1.5
-    motion = march(model, state, start, BEGIN, end, record=False)
-    rows = [piece.switched for piece in motion.pieces if piece.switched >= 0]
-    matrix = Carried(model, motion, np.eye(2 * n)).end
-    weight, best = 1 / np.concatenate([np.ones(n), np.full(n, 30.0)]), math.inf
-    for size in (1e-6, 1e-7, 1e-8):
-        columns = []
-        for i in range(2 * n):
-            ends = []
-            for far in (2, 1, -1, -2):
-                y = start.copy()
-                y[i] += far * size * (1 if i < n else 5)
-                moved, others = marched(model, state, y, end)
-                ends.append(moved if others == rows else np.full(2 * n, np.nan))
-            columns.append((8 * (ends[1] - ends[2]) - ends[0] + ends[3]) / (12 * size * (1 if i < n else 5)))
-        apart = np.abs((np.array(columns).T - matrix) * weight[:, None]).max()
-        if np.isfinite(apart):
-            best = min(best, float(apart / np.abs(matrix * weight[:, None]).max()))
-    assert best < 1e-7
-
-
-@pytest.mark.parametrize("seed", [3, 12])
-def test_deviations_travel_as_finite_differences(seed: int) -> None:
-    check_tangent(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [*range(3), *range(4, 12), *range(13, 30)])
-def test_many_deviations_travel_as_finite_differences(seed: int) -> None:
-    check_tangent(seed)
-
-
-def check_steady(seed: int) -> bool:
-    """Whether a random joint comes to a certified motion; one that does is still there 60 decay times later."""
-    solver, problem = Solver(elements=2, max_periods=400), random_damped_mesh(np.random.default_rng(seed)).problem
-    found = solver.steady_state(problem, errors=False)
-    if not found.period_multiple:
-        return False
-    period_map, count = solver.period_map(problem), 2 * found.period_multiple
-    half_periods, point = HalfPeriods(period_map), found.section_point
-    leading = float(np.abs(found.multipliers).max(initial=0.0))
-    assert leading < 1
-    later = point
-    for _ in range(min(400, math.ceil(60 / -math.log(max(leading, 1e-9))))):
-        later = period_map.march(later, count).end
-    assert half_periods.apart(point, later) < 1e-6
-    return True
-
-
-def test_a_certified_motion_stays() -> None:
-    assert all(check_steady(seed) for seed in (5, 7, 9, 11))
-
-
-@pytest.mark.slow
-def test_certified_motions_stay() -> None:
-    assert sum(check_steady(seed) for seed in range(12, 60)) >= 30
-
-
 def test_what_damped_stops_do_not_reach_is_refused() -> None:
-    problem = random_damped_joint(np.random.default_rng(0))
-    with pytest.raises(InputError, match=r"stops\[0\]\.damping = .*branches need stops without damping"):
-        _ = Solver(elements=2).period_map(problem).arcs
+    problem = damped_cantilever(np.random.default_rng(0))
     with pytest.raises(InputError, match=r"stops\[0\]\.damping = .*method = 'exact', and not with 'Radau'"):
         Solver(elements=2, method="Radau").simulate(problem, 1.0)
     record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}

@@ -1,6 +1,6 @@
 """Masses and steps: frequencies against eighty digits of a witness of its own, limits, and static loads in closed form.
 
-The witness, `stepped_beams`, knows exact members and counts its roots; it shares nothing with finite elements.
+The witness, `exact_beams`, knows exact members and counts its roots; it shares nothing with finite elements.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import math
 import numpy as np
 import pytest
 from beams import CLAMP, UNIT
-from stepped_beams import ExactBeam, harsh_problem, random_problem
+from exact_beams import ExactBeam
+from random_joints import random_beam
 
 import fe_lapjoint
 from fe_lapjoint.march.system import build_system
@@ -22,6 +23,7 @@ from lapjoint.problem import BeamSegment, FloatArray, Gravity, Mass, UniformLoad
 from lapjoint.problem.load_shape import LoadShape
 
 MODES = 6
+NEAR = 5e-4  # of the length: the least distance of two parts, but by chance
 FLOOR = 3e-11
 """Relative rounding of frequencies."""
 
@@ -38,36 +40,39 @@ def stepped(*pieces: tuple[float, float, float], **parts: float) -> Beam:
 
 def errors_of(problem: Problem, meshes: list[tuple[float, ...]]) -> FloatArray:
     """Relative errors of the lowest frequencies on some meshes, 0 of rigid-body modes."""
-    exact = np.array(ExactBeam(problem).frequencies(MODES))
+    exact = np.array(ExactBeam.of(problem).frequencies(MODES))
     found = np.array([fe_lapjoint.Solver(nodes=it).modes(problem, FREE, MODES).angular_frequencies for it in meshes])
     assert np.array_equal(found == 0.0, np.broadcast_to(exact == 0.0, found.shape))
     return np.where(exact == 0.0, 0.0, found / np.where(exact == 0.0, 1.0, exact) - 1)
 
 
 def assert_order_four(problem: Problem) -> None:
-    """On meshes of 20 elements or so, cut in two and in two again: errors fall to a sixteenth, down to rounding."""
-    nodes = tuple(mesh_nodes(problem, 20, None).tolist())
+    """On meshes of 40 elements or so, cut in two and in two again: the last error is a sixteenth, down to rounding.
+
+    On the first one a stiff piece beside soft ones may have a single element, which does not resolve its waves yet.
+    """
+    nodes = tuple(mesh_nodes(problem, 40, None).tolist())
     coarse, middle, fine = errors_of(problem, [split_elements(nodes, parts) for parts in (1, 2, 4)])
     assert np.all(coarse < 2e-3)
-    for before, after in ((coarse, middle), (middle, fine)):
-        assert np.all(after > -FLOOR)  # Rayleigh: a mesh stiffens
-        assert np.all(after <= before / 16 * 1.6 + FLOOR)
+    assert np.all(np.array([middle, fine]) > -FLOOR)  # Rayleigh: a mesh stiffens
+    assert np.all(middle <= coarse + FLOOR)
+    assert np.all(fine <= middle / 16 * 1.6 + FLOOR)
 
 
 @pytest.mark.parametrize("number", range(8))
 def test_frequencies_converge_at_order_four(number: int) -> None:
-    assert_order_four(random_problem(np.random.default_rng((1, number))))
+    assert_order_four(random_beam(np.random.default_rng((1, number)), decades=1.5, heaviest=1e3))
 
 
 @pytest.mark.slow
 def test_frequencies_of_150_random_beams_converge_at_order_four() -> None:
     for number in range(150):
-        assert_order_four(random_problem(np.random.default_rng((2, number)), ratio=1e6, heaviest=1e10))
+        assert_order_four(random_beam(np.random.default_rng((2, number)), decades=2.5, heaviest=1e10))
 
 
 def assert_exact(problem: Problem) -> None:
     """The finer of two meshes is as near to the truth as their distance and the order say."""
-    exact = np.array(ExactBeam(problem).frequencies(MODES))
+    exact = np.array(ExactBeam.of(problem).frequencies(MODES))
     coarse, fine = (fe_lapjoint.Solver(elements=n).modes(problem, FREE, MODES).angular_frequencies for n in (40, 160))
     assert np.array_equal(coarse == 0.0, exact == 0.0)
     assert np.all(np.abs(fine - exact) <= np.abs(coarse - exact) / 64 + FLOOR * exact)
@@ -76,7 +81,7 @@ def assert_exact(problem: Problem) -> None:
 
 @pytest.mark.parametrize("number", range(4))
 def test_heavy_masses_and_soft_springs_keep_the_digits(number: int) -> None:
-    assert_exact(harsh_problem(np.random.default_rng((4, number)), ratio=1e6, heaviest=1e10))
+    assert_exact(random_beam(np.random.default_rng((4, number)), heaviest=1e10, near=NEAR))
 
 
 def test_a_bending_mode_may_be_slower_than_a_motion_on_soft_springs() -> None:
@@ -90,9 +95,10 @@ def test_a_bending_mode_may_be_slower_than_a_motion_on_soft_springs() -> None:
 def test_frequencies_of_150_harsh_beams_keep_their_digits() -> None:
     refused = 0
     for number in range(150):
-        problem = harsh_problem(np.random.default_rng((5, number)), ratio=1e6, heaviest=1e10)
-        places = sorted({0.0, 1.0, *(it.x for it in problem.masses), *(it.end for it in problem.beam.pieces)})
-        if np.diff(places).min() < CLOSE:
+        problem = random_beam(np.random.default_rng((5, number)), heaviest=1e10, near=NEAR)
+        parts = (*problem.masses, *problem.supports, *problem.stops)
+        places = sorted({0.0, *(it.x for it in parts), *(it.end for it in problem.beam.pieces)})
+        if np.diff(places).min() < CLOSE * problem.beam.length:
             with pytest.raises(InputError, match="too near for finite elements"):
                 frequencies(problem)
             refused += 1
@@ -138,9 +144,11 @@ def test_a_segment_that_vanishes_leaves_the_beam_without_it() -> None:
     bare = frequencies(cantilever())
     for d in (1e-2, 1e-3, 2e-4):
         problem = cantilever(stepped((0.5, 1.0, 1.0), (0.5 + d, 0.1, 2.0), (1.0, 1.0, 1.0)))
-        exact = np.array(ExactBeam(problem).frequencies(4))
+        exact = np.array(ExactBeam.of(problem).frequencies(4))
         found = frequencies(problem)
-        assert found - exact == pytest.approx(frequencies(cantilever()) - ExactBeam(cantilever()).frequencies(4), rel=1)
+        assert found - exact == pytest.approx(
+            frequencies(cantilever()) - ExactBeam.of(cantilever()).frequencies(4), rel=1
+        )
         assert found == pytest.approx(bare, rel=20 * d)
     near = cantilever(stepped((0.5, 1.0, 1.0), (0.5 + CLOSE / 2, 0.1, 2.0), (1.0, 1.0, 1.0)))
     with pytest.raises(InputError, match=r"beam.segments\[1\].to = .*too near .*allowed are the same place, or at"):
@@ -186,7 +194,7 @@ def test_a_spring_beside_a_pin_is_right_or_refused(kt: float, k: float, d: float
     except InputError:
         assert max(kt * d, k * d**3) > 1e-6
     else:
-        assert found == pytest.approx(ExactBeam(problem).frequencies(3), rel=1e-6)
+        assert found == pytest.approx(ExactBeam.of(problem).frequencies(3), rel=1e-6)
 
 
 def static(problem: Problem, x: float) -> float:
@@ -244,8 +252,7 @@ def test_loads_act_where_they_are_whatever_the_nodes() -> None:
 
 
 def test_modes_are_orthonormal_with_masses() -> None:
-    problem = random_problem(np.random.default_rng((1, 4)))
+    problem = next(it for it in (random_beam(np.random.default_rng((1, n))) for n in range(99)) if len(it.masses) == 3)
     assembly = Assembly(problem, mesh_nodes(problem, 40, None))
     vectors = eigenmodes(assembly, FREE)[1]
-    assert len(problem.masses) == 3
     assert vectors.T @ assembly.mass @ vectors == pytest.approx(np.eye(vectors.shape[1]), abs=1e-12)

@@ -17,7 +17,7 @@ from lapjoint import (
     paper_joint,
     paper_state_number,
 )
-from lapjoint.answers.contact_state import can_be_closed
+from lapjoint.answers.contact_state import can_be_closed, state_order
 
 
 def beam_with(*stops: Stop) -> Problem:
@@ -84,3 +84,11 @@ def test_a_state_is_a_set_and_toggling_undoes_itself() -> None:
 def test_only_the_papers_layout_has_numbers() -> None:
     with pytest.raises(ValueError, match="paper's joint"):
         paper_state_number(beam_with(stop(1.0, "top")), FREE)
+
+
+def test_a_name_says_which_closed_stops_are_released() -> None:
+    joint = paper_joint()
+    state = ContactState((0, 1), (1,))
+    assert state.name(joint) == "P2 + P3 (released)"
+    assert state.toggled(~1).name(joint) == "P2 + P3"
+    assert state_order(joint, state.toggled(~1)) < state_order(joint, state)

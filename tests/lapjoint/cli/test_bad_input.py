@@ -166,7 +166,7 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("energy on a grid", (*BAR_PLANE, "--energy", "5"), "--energy: is of random starts"),
     ("a grid of random starts", (*RANDOM, "--grid", "4x4"), "--grid: is of a grid"),
     ("a plane of one", (*PLANE, "z(0.5)"), "must be two coordinates"),
-    ("a plane off the beam", (*PLANE, "z(0.5),v(7)"), "v(7) is not on the beam, which is 2.5 m long"),
+    ("a plane off the beam", (*PLANE, "z(0.5),v(7)"), "v(7): lies outside the beam; allowed are 0 to 2.5 m"),
     ("a grid of one", (*BAR_PLANE, "--grid", "4"), "--grid 4: must be two numbers of values, as in 40x40"),
     ("a grid of none", (*BAR_PLANE, "--grid", "4x0"), "--grid 4x0: must be two numbers of values"),
     ("one range", (*BAR_PLANE, "--range", "1:2"), "--range 1:2: must be FROM:TO,FROM:TO"),

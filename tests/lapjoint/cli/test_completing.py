@@ -45,7 +45,12 @@ def test_commands_options_and_choices_are_offered() -> None:
 
 
 def test_problems_files_solvers_and_cases_are_offered() -> None:
-    assert offered("steady", begun="pre") == [("plain", "preset:paper"), ("plain", "preset:sdnl104"), ("file", "pre")]
+    assert offered("steady", begun="pre") == [
+        ("plain", "preset:paper"),
+        ("plain", "preset:sdnl104"),
+        ("plain", "preset:lap"),
+        ("file", "pre"),
+    ]
     assert [name for _, name in offered("modes", "--solver")] == list(solver_names())
     assert [name for _, name in offered("validate", "--case")] == list(case_names())
     assert offered("export", "preset:paper", "--out", begun="o") == [("dir", "o")]

@@ -119,7 +119,7 @@ def test_a_start_may_be_counted_from_a_point_in_contact(solver: AnySolver) -> No
         ("z(2.5),w(2.5)", "must be two coordinates"),
         ("z(a),v(2.5)", "must be two coordinates"),
         ("z(2.5),z(2.5)", "they must differ"),
-        ("z(2.6),v(2.5)", "is not on the beam"),
+        ("z(2.6),v(2.5)", "lies outside the beam"),
         ("z(0),v(2.5)", "a support holds it"),
         ("z(2.5),z(2.4999)", "both places move alike"),
     ],

@@ -225,7 +225,11 @@ FAULTS: list[tuple[str, str, str]] = [
     ("NaN gap", stop("1e-3", "nan"), "stops[0].gap = nan: must be a finite number"),
     ("stop outside", stop("x = 1.0", "x = 1.1"), "stops[0].x = 1.1: lies outside the beam; allowed are 0 to 1 m"),
     ("side", stop('"top"', '"left"'), 'stops[0].side = "left": must be "top" or "bottom"'),
-    ("unknown key", stop("gap", "gaap"), "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, gap"),
+    (
+        "unknown key",
+        stop("gap", "gaap"),
+        "stops[0].gaap: unknown key; did you mean gap? allowed: x, side, between, gap",
+    ),
     ("unknown table", GOOD + "[suports]\nx = 1", "suports: unknown key; did you mean supports?"),
     ("not a list", GOOD + "[stops]\nx = 1.0", "stops = {x = ...}: must be a list; above each entry stands [[stops]]"),
     ("not a table", "beam = 3", "beam = 3: must be a table"),

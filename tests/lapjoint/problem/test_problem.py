@@ -357,3 +357,17 @@ def test_who_makes_a_part_in_python_reads_sentences(make: Callable[[], Any], mes
     assert message in str(caught.value)
     assert "pydantic" not in str(caught.value)
     assert caught.value.__suppress_context__
+
+
+def test_viscous_damping_that_couples_modes_has_a_limit_of_its_own() -> None:
+    given = {
+        "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
+        "supports": [{"x": 0.0, "translational": math.inf, "torsional": math.inf}],
+        "damping": {"kind": "viscous", "coefficient": 1e6},
+    }
+    assert Problem.model_validate(given).structure.coupling_drag == 0
+    laden = given | {"masses": [{"x": 1.0, "mass": 0.1}]}
+    with pytest.raises(ValueError, match=r"damping\.coefficient = 1e\+06: must be at most 10000 .*couple the modes"):
+        Problem.model_validate(laden)
+    light = laden | {"damping": {"kind": "viscous", "coefficient": 2.0}}
+    assert Problem.model_validate(light).structure.coupling_drag == 2.0

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from beams import unit_cantilever
+from random_joints import dragged_cantilever
 from stretches import Cutting
 
 import analytic
@@ -119,7 +120,7 @@ def test_the_table_holds_values_within_their_intervals_and_says_what_is_doubtful
     found = table(what, sums)
     assert "1 unit" in remarks(what, sums, 1)[0]
     values = [name for name in found.data_vars if f"{name}_interval" in found]
-    assert len(values) == 3 * 3 + 2 * 2 + 5 + 4  # of velocity and acceleration there is no mean
+    assert len(values) == 3 * 3 + 2 * 2 + 6 + 1 + 4  # of velocity and acceleration there is no mean
     for name in values:
         ends = found[f"{name}_interval"]
         assert bool((ends[..., 0] <= found[name]).all() & (found[name] <= ends[..., 1]).all()), name
@@ -139,3 +140,11 @@ def test_what_is_nothing_but_rounding_is_zero() -> None:
         for of_it in ("rms", "peak", "maximum", "mean_interval", "rms_interval", "maximum_interval"):
             assert not found[f"{name}_{of_it}"].sel(x=x).values.any(), (name, of_it)
             assert found[f"{name}_{of_it}"].isel(x=5).values.all()
+
+
+def test_the_slowest_complex_mode_says_how_long_a_motion_settles() -> None:
+    heavy = dragged_cantilever(np.random.default_rng(0))
+    for solver in (analytic.Solver(n_modes=8), fe_lapjoint.Solver(elements=8)):
+        found = measure(selection(heavy), solver, 1e12, rate=1e-6)
+        slowest = solver.period_map(heavy).lowest_damping_rate
+        assert found.decay_time == pytest.approx(1 / slowest, rel=0.05)  # both are of truncated matrices

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from stepped_beams import ExactBeam
+from exact_beams import ExactBeam
 
 from validation.cases import masses_and_steps
 from validation.cases.masses_and_steps import EXACT, by_rayleigh, exact_of, sdll15
@@ -23,7 +23,7 @@ def silent(_: str) -> None:
 @pytest.mark.parametrize("name", CARRYING)
 def test_roots_are_the_frequencies_of_exact_members(name: str) -> None:
     beam = CARRYING[name]
-    exact = np.sqrt(ExactBeam(beam.problem).frequencies(ROOTS))
+    exact = np.sqrt(ExactBeam.of(beam.problem).frequencies(ROOTS))
     assert roots(beam.equation) == pytest.approx(exact, rel=EXACT / 2)  # omega is b squared
 
 
@@ -38,7 +38,7 @@ def test_equations_have_the_textbooks_beams_as_their_limits() -> None:
 def test_the_printed_benchmark_is_what_its_theory_gives() -> None:
     """Modes 2 to 4 to half a unit of the last digit; the first one by its approximate formula, 0.13 % below."""
     printed, problem = group("sdll15 answers")["bending"], sdll15()
-    exact = np.array(ExactBeam(problem).frequencies(ROOTS)) / (2 * math.pi)
+    exact = np.array(ExactBeam.of(problem).frequencies(ROOTS)) / (2 * math.pi)
     assert exact_of(problem) == pytest.approx(exact, rel=EXACT)
     values = (by_rayleigh(problem), *exact[1:])
     for given, value in zip(printed, values, strict=False):

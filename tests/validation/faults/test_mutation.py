@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from validation.faults.changed_tree import installed_tree, source_of
 from validation.faults.mutants import reasons, recorded_run
-from validation.faults.mutation import KINDS, drawn, everywhere, modules, possible
+from validation.faults.mutation import KINDS, LEFT_OUT, drawn, everywhere, modules, possible
 
 TREE = installed_tree()
 SOURCE = '''
@@ -66,3 +66,7 @@ def test_nothing_that_draws_or_speaks_is_changed() -> None:
 def test_every_reason_belongs_to_a_mutant_of_the_record_or_to_one_that_can_be_drawn() -> None:
     recorded = {outcome.mutant.identity for outcome in recorded_run().outcomes}
     assert set(reasons()) <= recorded | {mutant.identity for mutant in everywhere(TREE)}
+
+
+def test_each_module_that_is_left_out_is_there() -> None:
+    assert [name for name in LEFT_OUT if not (TREE / f"{name}.py").exists()] == []

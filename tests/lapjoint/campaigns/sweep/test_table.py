@@ -45,7 +45,7 @@ def point(cell: int) -> Point:
     if cell % 8 == 7:
         return Point(message="stopped")
     multiple = 0 if outcome in ("QUASIPERIODIC", "APERIODIC", "UNDECIDED") else 1 + cell % 2
-    contacts = tuple((k % 4, 0.1 * k, 0.05, float(cell), 2.0, 0) for k in range(cell % 7))
+    contacts = tuple((k % 4, 0.1 * k, 0.05, float(cell), 2.0, 0, 0.5) for k in range(cell % 7))
     return Point(outcome, multiple, False, 1e-9, 0.5, 0.0, math.nan, math.nan, impulses, 1.0, contacts)
 
 

@@ -1,0 +1,238 @@
+"""Random systems of two to four beams, and their natural frequencies by counting; nothing of a solver.
+
+Exact members between nodes have the textbook dynamic stiffness, whose entries are power series where the member is
+short compared with its waves.  What infinite springs forbid is taken out by a basis of all that they allow.
+Frequencies below omega are counted by Wittrick and Williams: the negative eigenvalues of the stiffness, and the clamped
+frequencies of the members.  A root is halved down to 1e-11 by its count alone, so that none is missed, however near to
+another it lies.  In double precision the count errs by 1e-16 (EI / m L^4) / omega^2 or so; `exact_count` is that of
+forty digits.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise, product
+
+import mpmath as mp
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import null_space
+
+from lapjoint import ContactState, Problem, Stop, Support
+from lapjoint.problem import BeamSegment, Link, Mass, NamedBeam
+
+Array = npt.NDArray[np.float64]
+_SERIES = 1.5
+"""Largest s = beta l of a member whose entries are summed as power series."""
+_TERMS = 12
+"""Terms of the series: the next is below 1e-25 of the sum."""
+
+
+def _members(s: float) -> tuple[float, ...]:
+    """1 - cos cosh, and sin cosh + cos sinh, sin sinh, sin + sinh, cosh - cos, sin cosh - cos sinh, sinh - sin, of s,
+    each divided by the first power of s in it: s^4, s, s^2, s, s^2, s^3, s^3."""
+    if s > _SERIES:
+        c, sn, ch, sh = math.cos(s), math.sin(s), math.cosh(s), math.sinh(s)
+        return (
+            (1 - c * ch) / s**4, (sn * ch + c * sh) / s, sn * sh / s**2, (sn + sh) / s,
+            (ch - c) / s**2, (sn * ch - c * sh) / s**3, (sh - sn) / s**3,
+        )  # fmt: skip
+    u, n = s**4, range(_TERMS)
+    return (
+        -sum((-4.0) ** (k + 1) * u**k / math.factorial(4 * k + 4) for k in n),
+        sum(2 * (-4.0) ** k * u**k / math.factorial(4 * k + 1) for k in n),
+        sum(2 * (-4.0) ** k * u**k / math.factorial(4 * k + 2) for k in n),
+        sum(2 * u**k / math.factorial(4 * k + 1) for k in n),
+        sum(2 * u**k / math.factorial(4 * k + 2) for k in n),
+        sum(4 * (-4.0) ** k * u**k / math.factorial(4 * k + 3) for k in n),
+        sum(2 * u**k / math.factorial(4 * k + 3) for k in n),
+    )
+
+
+class ExactBeams:
+    """The dynamic stiffness of a problem's beams, with their links, and the stops of a contact state as springs."""
+
+    def __init__(self, problem: Problem, state: ContactState) -> None:
+        at: dict[tuple[str, float], int] = {}
+        self.members: list[tuple[int, float, float, float]] = []
+        springs: list[tuple[dict[int, float], float]] = []
+
+        def place(text: str) -> tuple[str, float]:
+            name, x = text.split(":")
+            return name, float(x)
+
+        stops = [problem.stops[k] for k in state.closed]
+        shared = [place(text) for it in (*problem.links, *stops) if it.between for text in it.between]
+        shared += [place(stop.x) for stop in stops if isinstance(stop.x, str)]
+        for beam in problem.beams:
+            own = {0.0, beam.length, *(it.x for it in (*beam.supports, *beam.masses)), *(p.end for p in beam.pieces)}
+            x = sorted(own | {x for name, x in shared if name == beam.name})
+            at |= {(beam.name, it): len(at) + i for i, it in enumerate(x)}
+            for a, b in pairwise(x):
+                piece = next(p for p in beam.pieces if p.start <= a and b <= p.end)
+                self.members.append((2 * at[beam.name, a], b - a, piece.EI, piece.inertia))
+        self.mass = np.zeros(2 * len(at))
+        for beam in problem.beams:
+            for support in beam.supports:
+                i = 2 * at[beam.name, support.x]
+                springs += [({i: 1.0}, support.translational), ({i + 1: 1.0}, support.torsional)]
+            for mass in beam.masses:
+                i = 2 * at[beam.name, mass.x]
+                self.mass[i : i + 2] += mass.mass, mass.rotary_inertia
+        for link in problem.links:
+            one, other = (2 * at[place(text)] for text in link.between)
+            springs += [({one: -1.0, other: 1.0}, link.translational)]
+            springs += [({one + 1: -1.0, other + 1: 1.0}, link.torsional)]
+        for stop in stops:
+            ends = stop.between or (stop.x,)
+            springs.append(
+                ({2 * at[place(text)]: sign for text, sign in zip(ends, (1.0, -1.0), strict=False)}, stop.stiffness)
+            )
+        rows = np.zeros((len(springs), self.mass.size))
+        for r, (row, _) in enumerate(springs):
+            rows[r, list(row)] = list(row.values())
+        k = np.array([stiffness for _, stiffness in springs])
+        finite = np.isfinite(k)
+        self.springs = rows[finite].T @ (k[finite, None] * rows[finite])
+        self.allowed = null_space(rows[~finite]) if (~finite).any() else np.eye(self.mass.size)
+
+    def count(self, omega: float) -> int:
+        """Number of frequencies below `omega`, rad/s."""
+        K, found = self.springs - np.diag(omega**2 * self.mass), 0
+        for i, length, EI, m in self.members:
+            beta = math.sqrt(omega) * (m / EI) ** 0.25
+            s = beta * length
+            d, a, b, e, f, g, h = _members(s)
+            own = np.array(
+                [[a, b * length, -e, f * length], [0, g * length**2, -f * length, h * length**2],
+                 [0, 0, a, -b * length], [0, 0, 0, g * length**2]]
+            )  # fmt: skip
+            K[i : i + 4, i : i + 4] += EI / length**3 / d * (own + np.triu(own, 1).T)
+            number = int(s / math.pi)
+            found += 0 if number == 0 else number - 1 + int((d > 0) == (number % 2 == 0))
+        reduced = self.allowed.T @ K @ self.allowed
+        scale = 1 / np.sqrt(np.abs(np.diag(reduced)))
+        return found + int(np.count_nonzero(np.linalg.eigvalsh(reduced * np.outer(scale, scale)) < 0))
+
+    def exact_count(self, omega: float) -> int:
+        """The `count` in forty digits."""
+        with mp.workdps(40):
+            w, found = mp.mpf(omega), 0
+            K = mp.matrix(self.springs.tolist()) - w**2 * mp.diag(self.mass.tolist())
+            for i, *numbers in self.members:
+                length, EI, m = map(mp.mpf, numbers)
+                beta = mp.sqrt(w) * mp.root(m / EI, 4)
+                s = beta * length
+                c, sn, ch, sh = mp.cos(s), mp.sin(s), mp.cosh(s), mp.sinh(s)
+                d, sums, ends = 1 - c * ch, sn * ch + c * sh, beta * (sn + sh)
+                less, far, near = (sn * ch - c * sh) / beta, (sh - sn) / beta, sn * sh
+                own = (
+                    (beta * sums, near, -ends, ch - c), (near, less, c - ch, far),
+                    (-ends, c - ch, beta * sums, -near), (ch - c, far, -near, less),
+                )  # fmt: skip
+                for a, b in product(range(4), repeat=2):
+                    K[i + a, i + b] += EI * beta**2 / d * own[a][b]
+                number = int(mp.floor(s / mp.pi))
+                found += 0 if number == 0 else number - 1 + int((d > 0) == (number % 2 == 0))
+            N = mp.matrix(self.allowed.tolist())
+            R = (N.T * K * N).tolist()
+            for i, row in enumerate(R):  # elimination without pivoting: forty digits are enough
+                found += int(row[i] < 0)
+                for other in R[i + 1 :]:
+                    if other[i]:
+                        factor = other[i] / row[i]
+                        for q in range(i + 1, len(R)):
+                            other[q] -= factor * row[q]
+            return found
+
+    def frequencies(self, count: int, zero: int) -> list[float]:
+        """The lowest `count` angular frequencies, rad/s, of which the first `zero` are those of rigid-body modes."""
+        _, length, EI, m = max(self.members, key=lambda it: it[1])
+        high = math.sqrt(EI / m) / length**2
+        while self.count(high) < count:
+            high *= 2
+        return [0.0] * zero + [self._root(number, high) for number in range(zero + 1, count + 1)]
+
+    def _root(self, number: int, high: float) -> float:
+        low = high / 2
+        while self.count(low) >= number:
+            low, high = low / 2, low
+        while high - low > 1e-11 * high:
+            middle = (low + high) / 2
+            low, high = (low, middle) if self.count(middle) >= number else (middle, high)
+        return (low + high) / 2
+
+
+def random_beams(rng: np.random.Generator, *, ratio: float = 30.0, soft: float = -3.0) -> Problem:
+    """Two to four beams with steps, masses, supports, links of any kind, and stops between each other and the base.
+
+    Stiffness and mass per length differ from beam to beam by up to `ratio`; springs begin at 10^`soft` EI / L^3.
+    """
+    names = "abcd"[: int(rng.integers(2, 5))]
+    beams = [_beam(rng, name, ratio, soft) for name in names]
+
+    def place(beam: NamedBeam) -> str:
+        x = rng.choice([0.0, beam.length, beam.length * rng.uniform(0.1, 0.9)])
+        return f"{beam.name}:{float(x)!r}"
+
+    def pair() -> list[NamedBeam]:
+        return [beams[i] for i in rng.choice(len(beams), 2, replace=False)]
+
+    def stiffness(one: NamedBeam, other: NamedBeam, power: int) -> float:
+        unit = min(beam.EI / beam.length**power for beam in (one, other))
+        return float(rng.choice([0.0, math.inf, unit * 10 ** rng.uniform(soft, 5)], p=[0.25, 0.25, 0.5]))
+
+    links, stops = [], []
+    for _ in range(int(rng.integers(0, 2 * len(beams)))):
+        one, other = pair()
+        between = place(one), place(other)
+        links.append(Link(between=between, translational=stiffness(one, other, 3), torsional=stiffness(one, other, 1)))
+    for i in range(int(rng.integers(0, 4))):
+        one, other = pair()
+        k, gap = float(one.EI / one.length**3 * 10 ** rng.uniform(-1, 4)), float(10 ** rng.uniform(-4, -2))
+        if rng.random() < 0.7:
+            stops.append(Stop(name=f"s{i}", between=(place(one), place(other)), gap=gap, stiffness=k))
+        else:
+            stops.append(Stop(name=f"s{i}", x=place(one), side="top", gap=gap, stiffness=k))
+    return Problem(beams=tuple(beams), links=tuple(links), stops=tuple(stops))
+
+
+def _beam(rng: np.random.Generator, name: str, ratio: float, soft: float) -> NamedBeam:
+    L = float(rng.uniform(0.4, 2.0))
+    step = float(L * rng.uniform(0.2, 0.8))
+    sizes = 10 ** rng.uniform(0, math.log10(ratio), (2, 2))
+    pieces: dict[str, object] = {"bending_stiffness": float(sizes[0, 0]), "mass_per_length": float(sizes[0, 1])}
+    if rng.random() < 0.4:
+        pieces = {
+            "segments": tuple(
+                BeamSegment(to=to, bending_stiffness=float(EI), mass_per_length=float(m))
+                for to, (EI, m) in zip((step, L), sizes, strict=True)
+            )
+        }
+    kind, EI = int(rng.integers(0, 5)), sizes[0, 0]
+    supports: tuple[Support, ...] = ()
+    if kind == 0:
+        supports = (Support(x=0.0, translational=math.inf, torsional=math.inf),)
+    elif kind == 1:
+        supports = (Support(x=0.0, translational=math.inf), Support(x=L, translational=math.inf))
+    elif kind == 2:
+        supports = (Support(x=L, translational=float(EI / L**3 * 10 ** rng.uniform(soft, 4))),)
+    elif kind == 3:
+        supports = tuple(
+            Support(x=x, translational=float(EI / L**3 * 10 ** rng.uniform(soft, 4)), torsional=float(EI / L * t))
+            for x, t in ((0.0, 0.0), (step, 0.3))
+        )
+    masses = tuple(
+        Mass(
+            x=float(rng.choice([0.0, L, step])),
+            mass=float(rng.uniform(0, 3)),
+            rotary_inertia=float(rng.choice([0, 0.1])),
+        )
+        for _ in range(int(rng.integers(0, 3)))
+    )
+    return NamedBeam(name=name, length=L, supports=supports, masses=masses, **pieces)
+
+
+def random_state(rng: np.random.Generator, problem: Problem) -> ContactState:
+    """A contact state: each stop closed with even chance."""
+    return ContactState(tuple(k for k in range(len(problem.stops)) if rng.random() < 0.5))
