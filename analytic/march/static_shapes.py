@@ -7,13 +7,18 @@ is the whole series, of which the modes have a part; the rest is in closed form,
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from analytic.march.joint import Joint
 from analytic.march.modal_state import loaded_structure, modal_state
 from analytic.modes.normal_modes import pool_size
 from lapjoint.answers.contact_state import FREE, ContactState
-from lapjoint.problem import FloatArray, StepLoad
+from lapjoint.problem import FloatArray
+from lapjoint.problem.forces import ConstantForce
+from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.problem import resting
 
 
 def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -32,8 +37,8 @@ def static_shapes(joint: Joint, state: ContactState, places: FloatArray) -> tupl
 
 def _deflection(joint: Joint, a: float, places: FloatArray) -> FloatArray:
     """Static displacement of the joint without contact at places, m, ``(p,)``, under a force of 1 N at `a`."""
-    alone = (StepLoad(x=a, force=1.0),)
-    pressed = joint.problem.replace(stops=(), base_motion=None, gravity=None, uniform_loads=(), point_loads=alone)
+    unit = ConstantForce(LoadShape.at(a), 1.0)
+    pressed = resting(replace(joint.problem.structure, stops=()), (unit,))
     state = modal_state(loaded_structure(pressed), FREE, pool_size(1))
     return np.asarray((state.force[0] / state.modes.omega**2) @ state.modes.shapes(places) + state.residual(places)[0])
 

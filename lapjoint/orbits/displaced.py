@@ -70,7 +70,7 @@ def plane_directions(period_map: DisplacedStarts, problem: Problem, origin: Sect
     """
     plane.check(problem)
     check_held(problem, "plane")
-    shapes = period_map.static_shapes(origin, np.array([one.place for one in plane.coordinates]))
+    shapes = period_map.static_shapes(origin, np.array([problem.position(one.place) for one in plane.coordinates]))
     compliance = shapes.compliance
     soft = problem.line.length**3 / problem.line.EI
     for one, own in zip(plane.coordinates, np.diag(compliance), strict=True):

@@ -155,7 +155,8 @@ def _coordinates(plan: BasinPlan) -> dict[str, Variable]:
     else:
         for name, one, values in zip(("first", "second"), plan.plane.coordinates, plan.axes, strict=True):
             what = "displacement" if one.kind == "z" else "velocity"
-            text = f"{what} by which the start is moved at x = {one.place:g} m"
+            place = one.place if isinstance(one.place, str) else f"x = {one.place:g} m"
+            text = f"{what} by which the start is moved at {place}"
             found[name] = Column(name, "f8", one.units, text, {"coordinate": str(one)}).of((name,), values)
     unbound = Column("unbound", "O", "", "what starts do that are bound to no certified motion")
     found["unbound"] = unbound.of(("unbound",), [name.lower() for name in UNBOUND_CLASSES])
