@@ -89,10 +89,12 @@ class Structure:
         return every - int(np.linalg.matrix_rank(np.array(rows), tol=_HELD)) if rows else every
 
     def _rigid(self, x: float, derivative: int) -> FloatArray:
-        """Displacement, or slope times length, at a position, m, when each beam shifts or turns; ``(2 beams,)``."""
+        """Displacement, or slope times the longest beam's length, at a position, m, when each beam shifts or turns;
+        ``(2 beams,)``."""
         found, i = np.zeros(2 * len(self.line.beams)), self.line.beam_at(x)
         start, length = self.line.starts[i], self.line.beams[i].length
-        found[2 * i : 2 * i + 2] = (0.0, 1.0) if derivative else (1.0, (x - start) / length)
+        longest = max(beam.length for beam in self.line.beams)
+        found[2 * i : 2 * i + 2] = (0.0, longest / length) if derivative else (1.0, (x - start) / length)
         return found
 
     @cached_property
