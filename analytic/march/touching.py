@@ -183,8 +183,9 @@ def _elastic(joint: Joint, state: ContactState, n: int) -> Rounded:
     x, weights = over_beam(problem, modes)
     springs = [(it.x, 0, it.translational) for it in problem.structure.supports]
     springs += [(it.x, 1, it.torsional) for it in problem.structure.supports]
-    pairs: list[tuple[tuple[tuple[float, float], ...], int, float]]
-    pairs = [(((it.first, -1.0), (it.second, 1.0)), 0, it.translational) for it in problem.structure.links]
+    pairs: list[tuple[tuple[tuple[float, float], ...], int, float]] = [
+        (((it.first, -1.0), (it.second, 1.0)), 0, it.translational) for it in problem.structure.links
+    ]
     pairs += [(((it.first, -1.0), (it.second, 1.0)), 1, it.torsional) for it in problem.structure.links]
     pairs += [(stop.reading, 0, stop.stiffness) for stop in (problem.structure.stops[k] for k in state.closed)]
     parts = [(problem.line.EI_at(x) * modes.shapes(x, 2) * weights, shape(x, 2))]
