@@ -48,6 +48,8 @@ from lapjoint.problem.masses import Mass
 _POOL = 40  # least number of modes computed at once
 FEW_SPANS = 6  # most spans for which all modes are solved at once, by dense matrices; beyond, one by one, by bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
+_NEIGHBOURS = 1e-5  # relative distance of roots of several beams below which a null vector is a singular vector
+_SHARED = 1e-12  # singular value, divided by the largest, of a null vector: a root itself is known to a hundredth of it
 _STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
 _TAKES_PART = 1e-3  # least part of a beam in a mode, as a fraction of the largest, with which it decides the sign
 _BESIDE = 1e-12  # distance of a mass beyond a beam's end, as a fraction of the line, that is rounding
@@ -113,6 +115,8 @@ def _exact_modes(
         motions, elastic = coupled.rigid()[:rigid], coupled_shapes(coupled, z[rigid:], L)
     shapes = _joined(layout, motions, elastic, inertia.x)
     shapes = shapes.scaled(1 / np.sqrt(squares(shapes, inertia)))  # (16), (17)
+    if coupled is not None and rigid:
+        shapes = _clear_of_rigid(shapes, rigid, inertia)
     shapes = _orthogonal_clusters(shapes, z, inertia)
     shapes = shapes.scaled(np.where(_at_tip(shapes, layout, z) < 0, -1.0, 1.0))
     return NormalModes((z / L) ** 2 * np.sqrt(beam.EI / beam.m), shapes)  # (10)
@@ -147,9 +151,15 @@ def coupled_shapes(coupled: CoupledBeams, z: FloatArray, L: float) -> BeamFuncti
     waves = 4 * layout.spans.size
     matrix, forces, _ = coupled.bordered(solutions)
     found = null_vectors(matrix) if z.size else np.zeros((0, matrix.shape[2]))
-    for members in np.split(np.arange(z.size), np.flatnonzero(np.diff(z) > _TWIN * z[1:]) + 1):
-        if members.size > 1:
-            found[members] = np.linalg.svd(matrix[members[members.size // 2]])[2][-members.size :]
+    close = np.flatnonzero(np.diff(z) < _NEIGHBOURS * z[1:])
+    member = 0
+    for first in np.union1d(close, close + 1).tolist():
+        # A root whose matrix has several null vectors, to rounding, shares them with the roots after it.
+        if first >= member:
+            _, values, vectors = np.linalg.svd(matrix[first])
+            shared = max(1, int(np.count_nonzero(values < _SHARED * values[0])))
+            member = min(first + shared, z.size)
+            found[first:member] = vectors[-shared:][: member - first]
     left = np.abs(np.einsum("nij,nj->ni", matrix, found)).max(axis=1, initial=0.0)
     wrong = np.flatnonzero(~(left <= _LEFT))
     if wrong.size:
@@ -291,6 +301,21 @@ def _joined(layout: Layout, rigid: FloatArray, elastic: BeamFunctions, masses: F
         np.concatenate([at_masses, elastic.at_masses]),
         elastic.spaces,
     )
+
+
+def _clear_of_rigid(shapes: BeamFunctions, rigid: int, inertia: Inertia) -> BeamFunctions:
+    """Take the first `rigid` shapes, rigid-body modes, out of slow elastic ones, which have no exponentials.
+
+    Rounding has mixed 1e-16 over the square of a slow frequency of them into those.
+    """
+    slow = rigid + np.flatnonzero(~shapes.c[rigid:].any(axis=(1, 2)))
+    if not slow.size:
+        return shapes
+    c, p, at_masses = shapes.c, shapes.p.copy(), shapes.at_masses.copy()
+    content = gram(shapes.chosen(slow), shapes.head(rigid), inertia)
+    p[slow] -= np.einsum("ij,jst->ist", content, p[:rigid])
+    at_masses[slow] -= np.einsum("ij,jdk->idk", content, at_masses[:rigid])
+    return BeamFunctions(shapes.nodes, shapes.mu, shapes.right, c, p, at_masses, shapes.spaces)
 
 
 def _orthogonal_clusters(shapes: BeamFunctions, z: FloatArray, inertia: Inertia) -> BeamFunctions:

@@ -137,7 +137,7 @@ class Assembly:
         for e, h in enumerate(np.diff(self.nodes)):
             here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
             drag[here, here] += (not self._empty[e]) * h * unit * np.outer(scale, scale)
-        return np.asarray(drag[np.ix_(self.free, self.free)])
+        return self._of_free(drag)
 
     def load(self, shape: LoadShape) -> FloatArray:
         """The load vector, ``(n,)``, of a load of size 1; read-only."""

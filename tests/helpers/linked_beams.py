@@ -16,7 +16,6 @@ from itertools import pairwise, product
 import mpmath as mp
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import null_space
 
 from lapjoint import ContactState, Problem, Stop, Support
 from lapjoint.problem import BeamSegment, Link, Mass, NamedBeam
@@ -47,6 +46,27 @@ def _members(s: float) -> tuple[float, ...]:
         sum(4 * (-4.0) ** k * u**k / math.factorial(4 * k + 3) for k in n),
         sum(2 * u**k / math.factorial(4 * k + 3) for k in n),
     )
+
+
+def _allowed(rows: Array) -> Array:
+    """A basis, as columns, of the displacements that rows of 0, 1 and -1 set to zero, without rounding: each row gives
+    one displacement, or the difference of two, and elimination keeps that."""
+    rows, pivots = rows.copy(), []
+    for r in range(rows.shape[0]):
+        here = np.flatnonzero(rows[r])
+        if here.size:
+            rows[r] /= rows[r, here[0]]
+            pivots.append((r, int(here[0])))
+            for other in range(rows.shape[0]):
+                if other != r:
+                    rows[other] -= rows[other, here[0]] * rows[r]
+    held = [column for _, column in pivots]
+    free = [column for column in range(rows.shape[1]) if column not in held]
+    basis = np.zeros((rows.shape[1], len(free)))
+    basis[free, np.arange(len(free))] = 1.0
+    for r, column in pivots:
+        basis[column] = -rows[r, free]
+    return basis
 
 
 class ExactBeams:
@@ -94,7 +114,8 @@ class ExactBeams:
         k = np.array([stiffness for _, stiffness in springs])
         finite = np.isfinite(k)
         self.springs = rows[finite].T @ (k[finite, None] * rows[finite])
-        self.allowed = null_space(rows[~finite]) if (~finite).any() else np.eye(self.mass.size)
+        self.each = [(list(row.items()), k) for row, k in springs if 0 < k < math.inf]
+        self.allowed = _allowed(rows[~finite])
 
     def count(self, omega: float) -> int:
         """Number of frequencies below `omega`, rad/s."""
@@ -118,7 +139,10 @@ class ExactBeams:
         """The `count` in forty digits."""
         with mp.workdps(40):
             w, found = mp.mpf(omega), 0
-            K = mp.matrix(self.springs.tolist()) - w**2 * mp.diag(self.mass.tolist())
+            K = -(w**2) * mp.diag(self.mass.tolist())
+            for ends, k in self.each:  # a soft spring beside a stiff one keeps its digits
+                for (i, one), (j, other) in product(ends, repeat=2):
+                    K[i, j] += mp.mpf(k) * one * other
             for i, *numbers in self.members:
                 length, EI, m = map(mp.mpf, numbers)
                 beta = mp.sqrt(w) * mp.root(m / EI, 4)
@@ -236,3 +260,31 @@ def _beam(rng: np.random.Generator, name: str, ratio: float, soft: float) -> Nam
 def random_state(rng: np.random.Generator, problem: Problem) -> ContactState:
     """A contact state: each stop closed with even chance."""
     return ContactState(tuple(k for k in range(len(problem.stops)) if rng.random() < 0.5))
+
+
+def equal_beams(rng: np.random.Generator) -> Problem:
+    """Two to four beams that are equal, with links from 1e-6 to 1e12 EI / L^3, or infinite, between equal places: with
+    near-degenerate and with coinciding frequencies."""
+    first = _beam(rng, "a", 1.0001, -3.0)
+    beams = tuple(
+        NamedBeam.model_validate({**first.model_dump(), "name": name}) for name in "abcd"[: rng.integers(2, 5)]
+    )
+    L, links = first.length, []
+    for _ in range(int(rng.integers(1, 5))):
+        one, other = (beams[i].name for i in rng.choice(len(beams), 2, replace=False))
+        x = float(rng.choice([0.0, L, L / 2, L * rng.uniform(0.1, 0.9)]))
+        k = float(rng.choice([math.inf, 10 ** rng.uniform(-6, 12), 1e-6]))
+        kt = float(rng.choice([0.0, 1e-6, k]))
+        links.append(Link(between=(f"{one}:{x!r}", f"{other}:{x!r}"), translational=k, torsional=kt))
+    return Problem(beams=beams, links=tuple(links))
+
+
+def stiffer_links(rng: np.random.Generator, problem: Problem) -> Problem:
+    """The links of a problem softer or stiffer by up to 1e7, half of them."""
+    links = [
+        link.model_copy(update={"translational": link.translational * 10 ** rng.uniform(-3, 7)})
+        if rng.random() < 0.5
+        else link
+        for link in problem.links
+    ]
+    return problem.replace(links=tuple(links))

@@ -32,7 +32,7 @@ FE = (
     Fault(
         "fe-shear",
         "a sign",
-        "fe_lapjoint:Assembly.shapes",
+        "fe_lapjoint:Assembly._shapes_of_all",
         "Shear forces have the wrong sign.",
         old="values = _hermite(s, derivative) / h**derivative",
         new="values = _hermite(s, derivative) / h**derivative * (-1.0 if derivative == 3 else 1.0)",
