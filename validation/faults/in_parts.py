@@ -171,8 +171,8 @@ PARTS = (
         "a wrong field",
         "fe_lapjoint:Assembly._mass_of_all",
         "A rotary inertia, divided by L^2, resists the deflection, not the slope.",
-        old="np.array([self.place(it.x)]), derivative",
-        new="np.array([self.place(it.x)]), 0",
+        old="self._shapes_of_all(np.array([self.place(it.x)]), derivative)",
+        new="self._shapes_of_all(np.array([self.place(it.x)]), 0)",
     ),
     Fault(
         "fe-stiffness-of-first-segment",
