@@ -6,6 +6,7 @@ Each kind gives its waves or samples; `lapjoint.problem.forces` makes one list o
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -207,3 +208,16 @@ class Excitation(Part):
     """The motion of the base."""
     point_loads: tuple[PointLoad, ...] = ()
     """The loads."""
+
+
+def begun_later(part: Any, time: float) -> Any:
+    """A part of an excitation that counts t from a `time`, s, if it is periodic; else the part."""
+    if isinstance(part, HarmonicsBaseMotion | HarmonicsLoad):
+        moved = [_later_phase(one, one.multiple * part.angular_frequency * time) for one in part.harmonics]
+        return part.model_copy(update={"harmonics": tuple(moved)})
+    return _later_phase(part, part.angular_frequency * time) if isinstance(part, BaseMotion | SineLoad) else part
+
+
+def _later_phase(part: Any, by: float) -> Any:
+    """A part with a later phase, by `by` rad."""
+    return part.model_copy(update={"phase": math.remainder(part.phase + by, 2 * math.pi)})

@@ -71,14 +71,13 @@ def shaped(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, 
     there."""
     problem, value = point.problem, point.value
     section = problem.arcs(point.u).point(problem.sequence.first, point.u[: point.coordinates])
-    history, line = problem.resolution.map(value).history(section, 1), problem.arcs(point.u).problem.line
+    history = problem.resolution.map_from(value, problem.phase).history(section, 1)
+    line = problem.arcs(point.u).problem.line
     share = (1 - np.cos(np.linspace(0.0, np.pi, _SAMPLES))) / 2  # dense at the ends, for the slopes there
     x = np.concatenate([a + (b - a) * share for a, b in zip(line.starts, line.ends, strict=True)])
     z, v = (np.asarray(f(x, history.start), dtype=float).ravel() for f in (history.displacement, history.velocity))
-    begun = resolution.solver.period_map(
-        resolution.problem_at(value).replace(initial=sampled_start(line, x, z, v))
-    ).initial()
-    return with_section(point, resolution, resolution.map(value).adopted(begun))
+    begun = resolution.map_from(value, problem.phase, initial=sampled_start(line, x, z, v)).initial()
+    return with_section(point, resolution, begun)
 
 
 def _verdict(one: Stated, other: Stated) -> Verdict:

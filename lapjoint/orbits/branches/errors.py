@@ -95,7 +95,8 @@ def again(what: Located, carry: Carry) -> Located | None:
 def carried(point: CurvePoint, resolution: Resolution) -> tuple[BoundaryProblem, FloatArray] | None:
     """A motion converted to another resolution of its solver; None if the section has another contact state there."""
     section = point.problem.arcs(point.u).point(point.problem.sequence.first, point.u[: point.coordinates])
-    return with_section(point, resolution, resolution.map(point.value).adopted(section))
+    there = resolution.map_from(point.value, point.problem.phase)
+    return with_section(point, resolution, there.adopted(section))
 
 
 def with_section(

@@ -6,7 +6,7 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
-from typing import Protocol, cast, runtime_checkable
+from typing import Any, Protocol, cast, runtime_checkable
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from lapjoint.orbits.parameters import Retunes
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import Problem
+from lapjoint.problem.excitation import begun_later
 from lapjoint.problem.symmetry import mirror_twins
 
 _KEPT = 32
@@ -104,6 +105,15 @@ class Resolution:
         if len(self._maps) > _KEPT:
             self._maps.popitem(last=False)
         return made
+
+    def map_from(self, value: float, phase: float, **changes: Any) -> PeriodMap:
+        """The period map at a value of the parameter, in its SI unit, of the problem with `changes`, for sections at a
+        `phase`, a fraction of the excitation period: its excitation counts time from there."""
+        problem = self.problem_at(value)
+        time = phase * problem.require_excitation_period("branch")
+        loads = tuple(begun_later(load, time) for load in problem.point_loads)
+        moved = problem.with_excitation(base_motion=begun_later(problem.base_motion, time), point_loads=loads)
+        return self.solver.period_map(moved.replace(**changes) if changes else moved)
 
     def arcs(self, value: float) -> Arcs:
         """The arcs at a value of the parameter, in its SI unit; `InputError` if there is no such problem."""
