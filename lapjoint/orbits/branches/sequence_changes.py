@@ -380,9 +380,23 @@ def on_duration(problem: BoundaryProblem, guess: FloatArray, arc: int) -> CurveP
 
 def ended_arc(problem: BoundaryProblem, u: FloatArray) -> int:
     """The shortest arc between two events of one stop, of unknowns of shape (n + F + 1,)."""
-    shares, sequence = np.abs(problem.shares(u)), problem.sequence
-    both = [i for i in range(1, problem.events) if sequence.returning[i] or True in sequence.joining[i + 1 : i + 2]]
-    return min(both, key=lambda i: float(shares[i]))
+    shares = np.abs(problem.shares(u))
+    return min(_of_one_stop(problem.sequence), key=lambda i: float(shares[i]))
+
+
+def _of_one_stop(sequence: ContactSequence) -> list[int]:
+    """The arcs between two events of one stop."""
+    returning, joining = sequence.returning, sequence.joining
+    return [i for i in range(1, len(sequence.stops)) if returning[i] or True in joining[i + 1 : i + 2]]
+
+
+def is_grazing(point: CurvePoint) -> bool:
+    """Whether an arc between two events of one stop has no duration.
+
+    The parameter is even in the duration of this arc, but for an odd part of higher order, so that its derivative along
+    the curve is zero there, whether or not the branch folds.
+    """
+    return any(abs(point.shares[i]) <= SAME for i in _of_one_stop(point.problem.sequence))
 
 
 def with_ended_arc(problem: BoundaryProblem, guess: FloatArray) -> SequenceChange | None:

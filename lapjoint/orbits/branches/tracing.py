@@ -16,7 +16,7 @@ from lapjoint.orbits.branches.errors import carried
 from lapjoint.orbits.branches.halves import beside_graze, half_of, meeting, springing
 from lapjoint.orbits.branches.point import SAME, CurvePoint
 from lapjoint.orbits.branches.resolution import ParameterRange, Resolution
-from lapjoint.orbits.branches.sequence_changes import SequenceChange, nearest
+from lapjoint.orbits.branches.sequence_changes import SequenceChange, is_grazing, nearest
 from lapjoint.orbits.branches.starts import Start
 from lapjoint.orbits.half_periods import HalfPeriods
 
@@ -168,6 +168,7 @@ def one_way(of: ParameterRange, start: CurvePoint, limits: Limits) -> Way:
         if met is not None:
             step = Stretch(step.start, met.point, step.start.arclength(met.point))
         here = [one for one in within(step) if met is None or not _is_near(one, met.point)]
+        here = [one for one in here if one.kind != "fold" or not is_grazing(one.point)]
         if change:
             turns = [one.point for one in here if one.kind == "fold"]
             way.found.append(Found(change[0], len(way.points), _after(change.pop(), [*turns, step.end][0])))
