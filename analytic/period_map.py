@@ -70,15 +70,7 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> JointArcs:
-        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`.
-
-        `InputError` is raised where viscous damping couples the modes.
-        """
-        if self.joint.loaded.problem.structure.coupling_drag > 0:
-            raise InputError(
-                'damping.kind = "viscous": branches need beams without masses, and of one mass per length, with this '
-                "damping; steady states, sweeps and basins allow them"
-            )
+        """The closed form of the motion in all contact states. See `lapjoint.orbits.arcs.HasArcs`."""
         return JointArcs(self.joint, self.period)
 
     @cached_property

@@ -89,15 +89,7 @@ class PeriodMap:
 
     @cached_property
     def arcs(self) -> Arcs:
-        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`.
-
-        `InputError` is raised where viscous damping couples the modes.
-        """
-        if self.model.drags:
-            raise InputError(
-                'damping.kind = "viscous": branches need beams without masses, and of one mass per length, with this '
-                "damping; steady states, sweeps and basins allow them"
-            )
+        """Motions with a given contact sequence. See `lapjoint.orbits.arcs.HasArcs`."""
         return Arcs(self.model, self.omega)
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:

@@ -150,7 +150,7 @@ class Arcs:
         """S q''- - q''+ between two arcs, in the modes of the second, kg^1/2 m/s2, shape ``(n,)``."""
         n, k = after.system.omega.size, before.stop
         assert k is not None
-        if self.model.damped:
+        if self.model.damped or self.model.drags:
             rates = before.system.rates(after.start, before.end)[n:], after.system.rates(after.start, after.y)[n:]
             return np.asarray(self.model.transfer(before.state, after.state) @ rates[0] - rates[1])
         drag = 2 * before.system.damping_rate * before.end[n:]

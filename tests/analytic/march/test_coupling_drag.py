@@ -12,7 +12,6 @@ from analytic.march import Joint
 from analytic.march.coupled import oscillators
 from analytic.solver import Solver
 from lapjoint.answers.contact_state import FREE
-from lapjoint.errors import InputError
 from lapjoint.problem import BaseMotion, Mass, NoDamping, Problem, ViscousDamping
 from tests.analytic.march.test_coupled import flow_error
 
@@ -102,12 +101,6 @@ def test_a_free_bar_with_a_heavy_end_drifts_at_the_speed_that_drag_allows() -> N
     )
     motion = Solver(n_modes=6).simulate(bar, 60.0, errors=False)
     assert motion.velocity(np.array([0.0, 0.5, 1.0]), 60.0).ravel() == pytest.approx(np.full(3, 2.0 / 8.0), rel=1e-9)
-
-
-def test_what_coupling_drag_does_not_reach_is_refused() -> None:
-    problem = dragged_cantilever(np.random.default_rng(0))
-    with pytest.raises(InputError, match=r'damping\.kind = "viscous": branches need beams without masses'):
-        _ = Solver(n_modes=3).period_map(problem).arcs
 
 
 def test_the_lowest_damping_rate_is_that_of_the_slowest_complex_mode() -> None:
