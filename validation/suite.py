@@ -42,6 +42,7 @@ _MODULES = {
     "fe-order": "fe_order",
     "mode-shapes": "mode_shapes",
     "sdnl104": "sdnl104",
+    "sdnl105": "sdnl105",
     "sdnd101": "sdnd101",
     "sdnd102": "sdnd102",
     "sdnd108": "sdnd108",
