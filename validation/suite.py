@@ -37,6 +37,8 @@ _MODULES = {
     "ledger": "ledger",
     "textbook": "textbook",
     "masses-and-steps": "masses_and_steps",
+    "linked-beams": "linked_beams",
+    "colliding-beams": "colliding_beams",
     "dragged-masses": "dragged_masses",
     "table4": "table4",
     "fe-order": "fe_order",

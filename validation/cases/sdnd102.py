@@ -125,8 +125,8 @@ def run(level: Level, say: Say) -> CaseResult:
         "sdnd102",
         "Outside benchmark: SDND102",
         "A mass of 25 kg on a damped spring hits a wall that stands still while the base moves. Both solvers give each "
-        "contact of the first second as closed forms do. Two mirrored masses that hit each other move as one that hits the "
-        "wall. The largest force exceeds what samples show.",
+        "contact of the first second as closed forms do. Two mirrored masses that hit each other move as one that hits "
+        "the wall. The largest force exceeds what samples show.",
         checks=tuple(checks),
         criteria=(
             Criterion("largest force", "N", max(hit.peak for hit in hits), SAMPLED, math.inf, "samples miss it"),
