@@ -11,6 +11,7 @@ base or space.  Some stops press the straight beams, some are damped.  Damping i
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -31,20 +32,21 @@ def shaken_beams(seed: int, index: int) -> Problem:
     rng = np.random.default_rng((seed, index, 49))
     names = ("a", "b", "c")[: 3 if index % 3 == 0 else 2]
     beams = tuple(_beam(rng, name, i) for i, name in enumerate(names))
-    links = tuple(link for one, other in zip(beams, beams[1:], strict=False) for link in _links(rng, one, other))
+    links = tuple(link for one, other in pairwise(beams) for link in _links(rng, one, other))
     bare = Problem(beams=beams, links=links, damping=ModalDamping(ratio=0.0))
     omega = np.asarray(analytic.Solver().modes(bare, FREE, _MODES).angular_frequencies)
     problem = bare.replace(damping=_damping(rng, float(omega[0]), bare.line.m))
     if rng.random() < 0.25:
         problem = problem.replace(gravity=Gravity(acceleration=rng.normal() * BASE * float(omega[0]) ** 2))
     frequency = float(omega[int(rng.integers(0, 3))]) * between(rng, 0.5, 2.0)
-    stops = [stop for one, other in zip(beams, beams[1:], strict=False) for stop in _between(rng, one, other)]
+    stops = [stop for one, other in pairwise(beams) for stop in _between(rng, one, other)]
     if rng.random() < 0.4:
         beam = beams[int(rng.integers(len(beams)))]
         side, fixed = rng.choice(["top", "bottom"]), "space" if rng.random() < 0.3 else "base"
         stops.append(Stop(x=_place(rng, beam), side=side, gap=1.0, stiffness=_stiffness(rng), fixed_to=fixed))
     problem = problem.replace(
-        base_motion=BaseMotion(amplitude=BASE, angular_frequency=frequency), stops=tuple(_damped(rng, it) for it in stops)
+        base_motion=BaseMotion(amplitude=BASE, angular_frequency=frequency),
+        stops=tuple(_damped(rng, it) for it in stops),
     )
     sizes = np.abs(_seen(problem, frequency))
     sizes = np.maximum(sizes, _SEEN * sizes.max())
@@ -65,9 +67,8 @@ def decay_time(problem: Problem) -> float:
     if isinstance(problem.damping, ModalDamping):
         return float(1 / np.min(problem.damping.ratios(omega.size) * omega))
     assert isinstance(problem.damping, ViscousDamping)
-    every = [piece.inertia for piece in problem.line.pieces]
-    masses = sum(mass.mass for mass in problem.structure.masses)
-    return float(2 * (max(every) + masses / min(beam.length for beam in problem.line.beams)) / problem.damping.coefficient)
+    lumped = sum(mass.mass for mass in problem.structure.masses) / min(beam.length for beam in problem.line.beams)
+    return 2 * (max(piece.inertia for piece in problem.line.pieces) + lumped) / problem.damping.coefficient
 
 
 def _beam(rng: np.random.Generator, name: str, number: int) -> NamedBeam:
