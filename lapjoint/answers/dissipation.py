@@ -89,8 +89,7 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
     for part in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
         within = np.clip(part, history.start, history.end)
         d, rate = (it.sign * history.seen_by_stops(within, dt)[stop] for dt in (0, 1))
-        force = it.stiffness * (d - it.gap) + it.damping * rate
-        rates.append((force if it.may_pull else np.maximum(force, 0.0)) * rate)
+        rates.append((it.stiffness * (d - it.gap) + it.damping * rate) * rate)
     power = np.concatenate(weights) * np.concatenate(rates)
     given = [float(part.sum()) for part in np.split(power, np.cumsum(sizes)[:-1])]
     return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
