@@ -132,8 +132,7 @@ def _courses(history: History, stop: int, spans: Sequence[Span], fastest: float 
     for part in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
         within = np.clip(part, history.start, history.end)
         d, rate = (it.sign * history.seen_by_stops(within, dt)[stop] for dt in (0, 1))
-        force = it.stiffness * (d - it.gap) + it.damping * rate
-        forces.append(force if it.may_pull else np.maximum(force, 0.0))
+        forces.append(it.stiffness * (d - it.gap) + it.damping * rate)
         rates.append(rate)
     columns = np.array([np.concatenate(one) for one in (weights, forces, rates)])
     return np.split(columns, np.cumsum(sizes)[:-1], axis=1)
