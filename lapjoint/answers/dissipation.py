@@ -38,13 +38,13 @@ class Span(NamedTuple):
 
 
 def with_dissipation(history: History, fastest: float) -> History:
-    """The motion with the energy that is lost in each contact of a damped stop.
+    """The motion with the energy that is lost in each contact of a damped stop, where it is not a number yet.
 
     `fastest`, 1/s, is the largest rate at which a part of the motion decays or turns.
     """
     contacts = list(history.contacts)
     for stop, it in enumerate(history.problem.structure.stops):
-        which = [i for i, contact in enumerate(contacts) if contact.stop == stop]
+        which = [i for i, contact in enumerate(contacts) if contact.stop == stop and math.isnan(contact.dissipated)]
         if it.damping > 0 and which:
             spans = [Span(it.start, it.end, it.open_start, it.open_end) for it in (contacts[i] for i in which)]
             for i, lost in zip(which, energies_lost(history, stop, spans, fastest), strict=True):
