@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from fe_lapjoint.march.coupled import CoupledFlow, flow_from
+from fe_lapjoint.march.coupled import Coupled, CoupledFlow, flow_from
 from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.peaks import deepest
-from fe_lapjoint.march.propagator import Coordinates, Flow
+from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.ramp_march import RampMotion, follow
-from fe_lapjoint.march.system import SAMPLES, IndexArray, System
+from fe_lapjoint.march.system import SAMPLES, Coordinates, IndexArray, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -108,9 +108,10 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
 
     def coordinates(times: FloatArray, dt: int = 0) -> FloatArray:
         values = solution.sol(times)
-        if dt == 2:
-            return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
-        return np.asarray(values[:n] if dt == 0 else values[n:])
+        found = [values[:n], values[n:]]
+        for order in range(dt - 1):
+            found.append(system.next_derivative(times, found[order], found[order + 1], order))
+        return np.asarray(found[dt])
 
     return coordinates
 
@@ -309,7 +310,7 @@ def _advance(
             rows = model.rows(state)
             rounding = previous.rounding_until_now(gaps.rounding, rows)
             time, row = gaps.first_switch(grid, h, rounding, previous.switch[rows] == t)
-            stop = row if isinstance(rows, slice) or row < 0 else int(rows[row])
+            stop = _switched(rows, row)
             clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
         return Piece(state, t, until, y, flow, stop), flow.at(until), clear
@@ -321,26 +322,31 @@ def _advance_on_ramps(
 ) -> tuple[Piece, FloatArray]:
     """A piece over knots of sampled forces, up to a switch at the latest, and (q, q') at its end."""
     knots, last = model.block_at(t)
-    motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
-    until, y_end, switched = follow(
-        motion, min(end, last) if last > t else end, previous.switch == t, previous.shift, previous.rounding
-    )
-    return Piece(state, t, until, y, motion, switched), y_end
+    motion, rows = RampMotion(model.ramp_form(state, window), knots, t, y), model.rows(state)
+    shift, rounding = previous.shift[rows], previous.rounding[rows]
+    until, y_end, row = follow(motion, min(end, last) if last > t else end, previous.switch[rows] == t, shift, rounding)
+    previous.shift[rows], previous.rounding[rows] = shift, rounding
+    return Piece(state, t, until, y, motion, _switched(rows, row)), y_end
+
+
+def _switched(rows: IndexArray | slice, row: int) -> int:
+    """Which of all gap functions switches, from its number among those that may; -1 for none."""
+    return row if isinstance(rows, slice) or row < 0 else int(rows[row])
 
 
 def _advance_by_library(
     model: Model, state: ContactState, t: float, end: float, y: FloatArray, previous: _PreviousWindow
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`, and (q, q') at its end."""
-    coordinates = integrate(model, state, t, end, y)
+    coordinates, rows = integrate(model, state, t, end, y), model.rows(state)
     gaps = SolutionGaps(model.system(state), coordinates, t, end, model.orientation(state), model.offset(state))
-    time, stop = math.inf, -1
+    time, row = math.inf, -1
     if model.sign.size:
-        time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding, slice(None)), previous.switch == t)
-    until = end if stop < 0 else time
+        time, row = gaps.first_switch(previous.rounding_until_now(gaps.rounding, rows), previous.switch[rows] == t)
+    until = end if row < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
-    return Piece(state, t, until, y, coordinates, stop), y_end
+    return Piece(state, t, until, y, coordinates, _switched(rows, row)), y_end
 
 
 def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], peaks: bool) -> None:
@@ -363,7 +369,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         edges = np.linspace(piece.start, piece.end, 17)
         half = np.diff(edges)[:, None] / 2
         t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = (system.stops @ piece.coordinates(t, 0) + system.seen_motion(t)) @ w
+        area = system.of_forces.read(piece.coordinates, t) @ w
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
@@ -380,14 +386,13 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
     """The gap functions of a piece; those of the forces where damped stops are closed."""
     orientation, offset = model.orientation(piece.state), model.offset(piece.state)
-    flow, step = piece.flow, (piece.end - piece.start) / SAMPLES
-    if isinstance(flow, CoupledFlow):
+    flow, step, system = piece.flow, (piece.end - piece.start) / SAMPLES, model.system(piece.state)
+    if isinstance(system, Coupled):
         closed = np.array([-1.0 if k in piece.state else 1.0 for k in range(model.sign.size)])
-        return FlowGaps(flow.of_forces(), closed * model.sign, closed * model.gap, step)
-    if flow is not None:
-        return FlowGaps(flow, orientation, offset, step)
-    system = model.system(piece.state)
-    return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
+        system, orientation, offset = system.of_forces, closed * model.sign, closed * model.gap
+    if flow is None:
+        return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
+    return FlowGaps(flow.of_forces() if isinstance(flow, CoupledFlow) else flow, orientation, offset, step)
 
 
 def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end: bool) -> Contact:
