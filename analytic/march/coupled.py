@@ -109,6 +109,21 @@ def force_rows(problem: Problem) -> IntArray:
     return rows
 
 
+def kept_by_force(problem: Problem, state: ContactState) -> set[int]:
+    """The stops whose gaps cannot switch while the damped stops press as in a state: their own, and those opposite.
+
+    A force that may not pull ends before its gap opens, and beyond that gap the gap of a stop on the other side of the
+    same place is open.
+    """
+    stops, found = problem.structure.stops, set[int]()
+    for k in state.closed:
+        it = stops[k]
+        if it.damping > 0 and not it.may_pull and k not in state.released:
+            opposite = (i for i, other in enumerate(stops) if other.place == it.place and other.sign != it.sign)
+            found |= {k, *(i for i in opposite if stops[i].gap + it.gap > 0 and i not in state)}
+    return found
+
+
 def is_coupled(problem: Problem, state: ContactState) -> bool:
     """Whether a damped stop is closed, or viscous damping couples the modes of every state."""
     return problem.structure.coupling_drag > 0 or any(problem.structure.stops[k].damping > 0 for k in state.closed)
@@ -341,4 +356,14 @@ def write_coupled(
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):
         tables.closed[slot, row] = k in state and k not in state.released
         tables.asleep[slot, row] = k not in state or problem.structure.stops[k].may_pull
-        tables.idle[slot, tables.position[row]] = tables.asleep[slot, row]
+    tables.asleep[slot, list(kept_by_force(problem, state))] = True
+    for u in range(tables.idle.shape[1]):
+        tables.idle[slot, u] = tables.asleep[slot, tables.position == u].all()
+
+
+def write_still(tables: Tables, slot: int) -> None:
+    """Write z at the positions under the constant loads, where damped stops may couple a state, to its filled slot."""
+    static, (by_q, by_v) = tables.static[slot], tables.gradient[slot].transpose(1, 0, 2)
+    tables.still[slot] = by_q @ static
+    tables.still[slot, :, :2] += by_v @ (static[:, 1:] * [1.0, 2.0])
+    tables.still[slot, :, 0] += tables.constant[slot]

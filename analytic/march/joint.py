@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from analytic.march.coupled import SAMPLED, Coupled, coupled, force_rows, is_coupled, write_coupled
+from analytic.march.coupled import SAMPLED, Coupled, coupled, force_rows, is_coupled, write_coupled, write_still
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import MOVED_STOPS, Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
@@ -326,6 +326,7 @@ class Joint:
             write_coupled(
                 self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it, self.turning
             )
+            write_still(self.tables, slot)
             return
         flat = self.flat(state)
         fill(self.tables, slot, flat)
@@ -337,6 +338,7 @@ class Joint:
         self._scale(self.tables, slot, unscaled)
         if self.damped:
             self.tables.push[slot] = self.tables.force[slot]
+            write_still(self.tables, slot)
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""
