@@ -3,11 +3,13 @@
 This witness is independent of the solvers: it knows the problem, and evaluates displacement and velocity anywhere, but
 does not know how they were computed.
 
-- energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
+- energy: d/dt (kinetic + bending + springs and links) = power of base inertia and loads - dissipation.  Under viscous
   damping dissipation is C int z_t^2 dx.  Under modal damping it is not local, and only its sign can be checked;
 - force law and gaps: every stop that is closed by the contact state is pressed, and no other stop is;
-- momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, point
-  loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum;
+- momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, loads
+  and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum, of all
+  beams together.  Forces between beams cancel in the momentum; in the angular momentum only where both places have one
+  x, so that it is left out where an infinitely stiff link, whose force is not known, joins two places of different x;
 - impulse: the stated impulse is the time integral of the force law;
 - dissipation: the stated energy lost in a damped stop is the time integral of force times rate, less what the spring
   stores where the history cuts the contact;
@@ -28,6 +30,8 @@ import numpy as np
 from lapjoint.answers import Contact, History
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.structure import PlacedLink
 from validation.references.panels import gauss_panels
 from validation.verdict import Criterion
 
@@ -36,6 +40,10 @@ _MOST_HALVINGS = 8  # Most halvings of the panels in time
 _BALANCED = (
     1e-3  # Least angular momentum that counts, divided by all momentum times half the length; a smaller one is rounding
 )
+
+
+_ALIGNED = 1e-12
+"""Largest difference of two positions of one x, divided by half of the extent of the beams: rounding."""
 
 
 def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -48,12 +56,17 @@ def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Floa
 
 
 def _space(history: History) -> tuple[FloatArray, FloatArray]:
-    problem = history.problem
-    parts = [support.x for support in problem.structure.supports] + [stop.x for stop in problem.structure.stops]
-    steps = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
-    loads = [x for force in problem.forces.every for x in force.shape.edges]
-    L = problem.line.length
-    return _panels(np.unique([0.0, L, *parts, *steps, *loads]), L / _PANELS_X)
+    """Gauss points and weights, m, along all beams, not on the spaces between them."""
+    problem, line = history.problem, history.problem.line
+    places = [support.x for support in problem.structure.supports] + [mass.x for mass in problem.structure.masses]
+    places += [x for stop in problem.structure.stops for x, _ in stop.reading]
+    places += [x for link in problem.structure.links for x in (link.first, link.second)]
+    places += [x for force in problem.forces.every for x in force.shape.edges]
+    breaks = np.unique([*line.edges, *(piece.end for piece in line.pieces), *places])
+    beams = zip(line.starts, line.ends, strict=True)
+    parts = [_panels(breaks[(a <= breaks) & (breaks <= b)], (b - a) / _PANELS_X) for a, b in beams]
+    x, w = zip(*parts, strict=True)
+    return np.concatenate(x), np.concatenate(w)
 
 
 def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -66,7 +79,7 @@ def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[F
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
-    """Kinetic, bending and spring energy of a motion, but for springs of damped stops.
+    """Kinetic, bending and spring energy of a motion, links among the springs, but for springs of damped stops.
 
     Parameters
     ----------
@@ -92,10 +105,20 @@ def energy(history: History, t: FloatArray) -> FloatArray:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
+    for link in problem.structure.links:
+        for dx, k in enumerate((link.translational, link.torsional)):
+            if 0 < k < math.inf:
+                total = total + k / 2 * _stretch(history, link, t, dx) ** 2
     for stop, depth in zip(problem.structure.stops, history.penetration(t), strict=True):
         if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
             total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
     return np.asarray(total)
+
+
+def _stretch(history: History, link: PlacedLink, t: FloatArray, dx: int) -> FloatArray:
+    """The second beam's displacement, m, or slope, less the first one's, at a link, ``(m,)``."""
+    first, second = (history.evaluate(x, t, dx=dx)[0] for x in (link.first, link.second))
+    return np.asarray(second - first)
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
@@ -118,11 +141,13 @@ def power(history: History, t: FloatArray) -> FloatArray:
     total = np.zeros(t.size)
     for force in problem.forces.every:
         total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
-    # a spring stores what the beam and a base that moves towards the stop do; a damped stop is what it does to the beam
-    for stop, force, base in zip(
-        problem.structure.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True
-    ):
-        total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
+    # a spring stores what beams and a base that moves towards the stop do; a damped stop is what it does to the beams
+    base = history.base_of_stops(t, 1)
+    moved = zip(
+        problem.structure.stops, history.contact_force(t), history.seen_by_stops(t, 1) - base, base, strict=True
+    )
+    for stop, force, of_beams, of_base in moved:
+        total += force * of_beams if stop.damping > 0 else -force * of_base
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total
@@ -232,12 +257,27 @@ def momentum_applies(problem: Problem) -> bool:
     return not fixed and not isinstance(problem.damping, ModalDamping)
 
 
-def _from_middle(length: float) -> Callable[[FloatArray], FloatArray]:
-    """The arm of a force about the middle of the beam."""
-    return lambda x: x - length / 2
+def _from_middle(problem: Problem) -> tuple[Callable[[FloatArray], FloatArray], float]:
+    """The arm, m, of a force at positions on the line about the middle of all beams where they are drawn, and half of
+    their extent, m."""
+    line, starts = problem.line, np.array(problem.line.starts)
+    origins = np.array([beam.origin if isinstance(beam, NamedBeam) else 0.0 for beam in line.beams])
+    left, right = origins.min(), (origins + np.array(line.ends) - starts).max()
+
+    def arm(x: FloatArray) -> FloatArray:
+        i = np.searchsorted(starts, x, side="right") - 1
+        return np.asarray(x - starts[i] + origins[i] - (left + right) / 2)
+
+    return arm, float(right - left) / 2
 
 
-def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Criterion]:
+def _cancels(problem: Problem, arm: Callable[[FloatArray], FloatArray], half: float) -> bool:
+    """Whether the forces of all infinitely stiff links have one arm on both beams, so that they cancel."""
+    rigid = [link for link in problem.structure.links if math.isinf(link.translational)]
+    return all(float(abs(np.diff(arm(np.array([it.first, it.second])))[0])) <= _ALIGNED * half for it in rigid)
+
+
+def momentum_balance(history: History, tolerance: float) -> list[Criterion]:
     """Errors of the balances of momentum and angular momentum, by the stated impulses, divided by the sum of all parts.
 
     Parameters
@@ -249,19 +289,20 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
 
     Returns
     -------
-    Criterion, Criterion
-        The two residuals.
+    list of Criterion
+        The two residuals; the first alone where forces of infinitely stiff links do not cancel in the second.
     """
     problem, (x, w) = history.problem, _space(history)
-    inertia, L, both = problem.line.inertia_at(x), problem.line.length, np.array([history.start, history.end])
+    inertia, both = problem.line.inertia_at(x), np.array([history.start, history.end])
+    from_middle, half = _from_middle(problem)
     breaks = np.unique([history.start, *history.switch_times, history.end])
     found: list[Criterion] = []
     momentum = 0.0  # sum of the magnitudes of all parts of the momentum balance, kg m/s
     arms: tuple[tuple[str, Callable[[FloatArray], FloatArray], float], ...] = (
         ("momentum", np.ones_like, 0.0),
-        ("angular momentum", _from_middle(L), 1.0),
+        ("angular momentum", from_middle, 1.0),
     )
-    for name, arm, slope in arms:
+    for name, arm, slope in arms if _cancels(problem, from_middle, half) else arms[:1]:
 
         def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
             total = np.zeros(t.size)
@@ -272,6 +313,10 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
                     support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
                 )
                 total -= support.torsional * slope * history.slope(support.x, t)[0]
+            for link in problem.structure.links:
+                lever = float(np.diff(arm(np.array([link.first, link.second])))[0])
+                if 0 < link.translational < math.inf and lever:
+                    total -= link.translational * lever * _stretch(history, link, t, 0)
             if isinstance(problem.damping, ViscousDamping):
                 total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
             return total
@@ -280,15 +325,19 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         for mass in problem.structure.masses:
             ends = ends + mass.mass * float(arm(np.asarray(mass.x))) * history.velocity(mass.x, both)[0]
             ends = ends + mass.rotary_inertia * slope * history.evaluate(mass.x, both, dx=1, dt=1)[0]
-        stops = [-c.impulse * float(arm(np.asarray(problem.structure.stops[c.stop].x))) for c in history.contacts]
+        stops = [
+            -c.impulse * factor * float(arm(np.asarray(place)))
+            for c in history.contacts
+            for place, factor in problem.structure.stops[c.stop].reading
+        ]
         amount = float(np.abs(ends).sum() + np.abs(stops).sum())
-        scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)
+        scale = max(amount, _BALANCED * half**slope * momentum, 1e-300)
         momentum = max(momentum, amount)
         given = _time_integral(force, breaks, history, tolerance, scale) + sum(stops)
         left = float(ends[1] - ends[0] - given) / scale
         reason = "quadrature and truncation, by the stated impulses"
         found.append(Criterion(f"{name} unaccounted for", "1", left, -tolerance, tolerance, reason))
-    return found[0], found[1]
+    return found
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
