@@ -71,7 +71,8 @@ def drawing_of(
     carried = "displacement" if look.frame == "relative" else "displacement_absolute"
     s = _scale(look, scene, block.values, carried)
 
-    skins, springs, plates, words = [], [], [], []
+    skins: list[Skin] = []
+    springs, plates, words = [], [], []
     rest = iter(block.values)
     for (name, _), layout, group, history in zip(scene.sources, scene.layouts, scene.groups, histories, strict=True):
         carrying = [(part, next(rest)) for part in group]
