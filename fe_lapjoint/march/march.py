@@ -32,8 +32,8 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-_GAUSS = np.polynomial.legendre.leggauss(10)
-"""Points and weights of Gauss' rule on [-1, 1]."""
+_GAUSS = np.polynomial.legendre.leggauss(7)
+"""Points and weights of Gauss' rule on [-1, 1], exact for the polynomials of degree 13 at most of dense output."""
 _PIECE = 1000
 """Upper estimate of the memory of a piece of a motion, beside (q, q') at its start, bytes."""
 _ACCOUNTED = 1024
@@ -60,6 +60,33 @@ class FlowFrom:
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
         return self.flow(t, dt)
+
+
+@dataclass(frozen=True, slots=True)
+class LibraryMotion:
+    """A motion by dense output of a library method; as `Coordinates`."""
+
+    system: System
+    dense: Any
+    """scipy's `OdeSolution` of (q, q')."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 3) of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
+        found = [*self.dense(t).reshape(2, -1, t.size)]
+        for order in range(dt - 1):
+            found.append(self.system.next_derivative(t, found[order], found[order + 1], order))
+        return np.asarray(found[dt])
+
+    def areas(self, end: float) -> FloatArray:
+        """The time integral of what the forces of the stops read, from the start to `end`, m s, shape ``(P,)``.
+
+        Gauss' rule takes each step of the method, on which dense output is a polynomial: a step is as short as the fast
+        motion after a switch needs.
+        """
+        edges = np.append(self.dense.ts[self.dense.ts < end], end)
+        half = np.diff(edges)[:, None] / 2
+        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        return np.asarray(self.system.of_forces.read(self, t) @ w)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,8 +119,8 @@ class Piece:
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
-def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
-    """Modal coordinates from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
+def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> LibraryMotion:
+    """The motion from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
 
     A method that stops before the end of the window gives a SolverError.
     """
@@ -104,16 +131,7 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
     solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
     if not solution.success:
         raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    n = system.omega.size
-
-    def coordinates(times: FloatArray, dt: int = 0) -> FloatArray:
-        values = solution.sol(times)
-        found = [values[:n], values[n:]]
-        for order in range(dt - 1):
-            found.append(system.next_derivative(times, found[order], found[order + 1], order))
-        return np.asarray(found[dt])
-
-    return coordinates
+    return LibraryMotion(system, solution.sol)
 
 
 @dataclass(frozen=True)
@@ -353,7 +371,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     """Add a piece to the area and the depth of the contacts that last through it."""
     if not lasting or piece.end <= piece.start:
         return
-    system, duration = model.system(piece.state), piece.end - piece.start
+    duration = piece.end - piece.start
     if isinstance(piece.coordinates, RampMotion):
         closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
         for k, contact in lasting.items():
@@ -364,12 +382,8 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         peaks = False
     elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
-    else:
-        # Ten Gauss points on each of 16 panels are more accurate than the integrators' dense output.
-        edges = np.linspace(piece.start, piece.end, 17)
-        half = np.diff(edges)[:, None] / 2
-        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = system.of_forces.read(piece.coordinates, t) @ w
+    elif isinstance(piece.coordinates, LibraryMotion):
+        area = piece.coordinates.areas(piece.end)
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
