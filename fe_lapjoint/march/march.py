@@ -114,6 +114,8 @@ class Piece:
 
     def kept(self, model: Model) -> Piece:
         """This piece with coordinates that are rebuilt at each call, for later use."""
+        if isinstance(self.coordinates, RampMotion):
+            return replace(self, coordinates=replace(self.coordinates))  # without its amplitudes
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))

@@ -66,10 +66,9 @@ def check_library(problem: Problem, method: str) -> None:
     assert found.states == exact.states
     assert found.switch_times == pytest.approx(exact.switch_times, abs=1e-7)
     for one, other in zip(exact.contacts, found.contacts, strict=True):
-        # a rebound that hardly presses keeps the error of its switch, and chaos makes of it what it will
-        assert other.impulse == pytest.approx(one.impulse, rel=1e-3, abs=1e-8)
-        assert other.peak_force == pytest.approx(one.peak_force, rel=1e-4, abs=1e-8)
-        assert other.dissipated == pytest.approx(one.dissipated, rel=1e-4, abs=1e-9)
+        assert other.impulse == pytest.approx(one.impulse, rel=1e-5, abs=1e-8)
+        assert other.peak_force == pytest.approx(one.peak_force, rel=1e-5, abs=1e-8)
+        assert other.dissipated == pytest.approx(one.dissipated, rel=1e-5, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +79,7 @@ def test_a_library_method_meets_damped_stops_as_the_exact_flow(seed: int) -> Non
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("method", ["DOP853", "Radau", "LSODA"])
+@pytest.mark.parametrize("method", ["DOP853", "LSODA", pytest.param("Radau", marks=pytest.mark.slow)])
 def test_each_library_method_does_along_ramps(method: str) -> None:
     check_library(sampled_joint(0, halves=True), method)
 
