@@ -52,8 +52,8 @@ def account(
     """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
     `x`, ``(X,)``, holds the amplitudes at `t`, and is replaced by those where the last closed form begins; `it` is room
-    for a closed form.  `areas`, m s, ``(P,)``, takes the time integral of what the force of each stop reads.  If `depth`, the values of
-    `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
+    for a closed form.  `areas`, m s, ``(P,)``, takes the time integral of what the force of each stop reads.  If
+    `depth`, the values of `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
     """
     p, stops = tables.factors.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))

@@ -111,7 +111,7 @@ def _bend(line: FloatArray, first: int, s: float) -> float:
 @njit_inner()
 def _steady(tables: RampTables, loads: FloatArray, k: int) -> complex:
     """p of a term under loads and their derivatives, shape ``(L, d)``."""
-    total = tables.gain[k, 0, 0]  # the constant load, 1
+    total: complex = tables.gain[k, 0, 0]  # the constant load, 1
     for load in range(1, loads.shape[0]):
         for d in range(loads.shape[1]):
             total += tables.gain[k, load, d] * loads[load, d]

@@ -157,7 +157,7 @@ def _load(entry: EntryPoint) -> click.Command:
 def main() -> None:
     """Simulate a loose, impacting lap joint by two independent solvers, and compare their answers.
 
-    PROBLEM is a TOML file (see `lapjoint init`), or preset:paper, or preset:sdnl104.
+    PROBLEM is a TOML file (see `lapjoint init`), or preset:paper, preset:lap or preset:sdnl104.
     """
 
 

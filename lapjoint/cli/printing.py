@@ -148,20 +148,23 @@ def _print_summary(found: SteadyState, at: list[float] | None) -> None:
     summary = summarise(found, at=at)
     what, values, errors = summary.selection, summary.values, summary.errors
     over = "" if found.period_multiple else f" over {WANDERING} periods"
+    line = found.problem.line
+    places = [f"{line.place(x, 4)}{' m' * (not line.several)}" for x in what.x.tolist()]
+    width = max(9, *(len(place) + 2 for place in places))
 
     def with_error(name: str, i: int) -> str:
         error = "" if errors is None else f" +- {error_text(float(errors[name][i])):<8}"
         return f"{values[name][i]:12.5g}{error}"
 
     gap = "" if errors is None else " " * 12
-    echo(f"\n{'Largest magnitude, and RMS' + over:<38}{'peak':>12}{gap}{'RMS':>12}")
+    echo(f"\n{'Largest magnitude, and RMS' + over:<{29 + width}}{'peak':>12}{gap}{'RMS':>12}")
     for one in what.quantities:
         label = f"{one.name.replace('_', ' ')} [{written(one.units)}]"
         largest = int(np.argmax(values[f"{one.name}_peak"]))
         for i in dict.fromkeys([*what.asked.tolist(), largest]):
             star = "" if i in what.asked else "*"
             numbers = with_error(f"{one.name}_peak", i) + with_error(f"{one.name}_rms", i)
-            echo(f"{label:<29}{f'{what.x[i]:.4g} m{star}':<9}{numbers}".rstrip())
+            echo(f"{label:<29}{places[i] + star:<{width}}{numbers}".rstrip())
             label = ""
     echo("* where its magnitude is largest along the beam")
     if found.problem.structure.stops:

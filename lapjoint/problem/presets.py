@@ -91,7 +91,7 @@ def sdnl104() -> Problem:
     )
 
 
-def lap_joint(*, gap: float = 1e-4, play: float = 2e-4, base_amplitude: float = 2e-4) -> Problem:
+def lap_joint(*, gap: float = 1e-4, play: float = 2e-4, base_amplitude: float = 5e-4) -> Problem:
     """Two overlapping steel plates, clamped at their far ends and shaken there, with a loose bolt.
 
     The upper plate is 0.3 m long and 4 mm thick, the lower 0.3 m and 6 mm, and they overlap by 60 mm.  At each end of
@@ -129,7 +129,7 @@ def lap_joint(*, gap: float = 1e-4, play: float = 2e-4, base_amplitude: float = 
             Stop(name="right edge", between=("upper:0.3", "lower:0.06"), gap=gap, stiffness=2e6),
             Stop(name="bolt", between=("lower:0.03", "upper:0.27"), gap=play, stiffness=2e7),
         ),
-        damping=ModalDamping(ratio=0.02),
+        damping=ModalDamping(ratio=0.05),
         base_motion=BaseMotion(amplitude=base_amplitude, angular_frequency=300.0),
     )
 

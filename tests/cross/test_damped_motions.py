@@ -108,10 +108,10 @@ def check_motion(marched: March, seed: int, end: float = 2.0, draw: Draw = dampe
     lost = np.zeros(len(stops))
     for contact in it.history.contacts:
         lost[contact.stop] += contact.dissipated
-        for cut, t, sign in ((contact.open_end, end, 1), (contact.open_start, 0.0, -1)):
+        for cut, t, share in ((contact.open_start, 0.0, -0.5), (contact.open_end, end, 0.5)):
             if cut:  # what the spring stores is not lost, and the witness's integral has it
                 depth = it.history.penetration(t)[contact.stop, 0]
-                lost[contact.stop] += sign * stops[contact.stop].stiffness * depth**2 / 2
+                lost[contact.stop] += share * stops[contact.stop].stiffness * depth**2
     damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
     assert lost[damped] == pytest.approx(witness.dissipated[damped], rel=1e-6, abs=1e-9)
     inside = it.history.contact_force(np.linspace(0, end, 2001))
@@ -123,14 +123,14 @@ def check_motion(marched: March, seed: int, end: float = 2.0, draw: Draw = dampe
     return sum(index < 0 for index in it.indices)
 
 
-@pytest.mark.parametrize(("marched", "seeds", "end"), [(by_modes, range(4), 2.0), (by_elements, (3,), 0.6)])
+@pytest.mark.parametrize(("marched", "seeds", "end"), [(by_modes, range(2), 1.5), (by_elements, (3,), 0.6)])
 def test_motions_switch_where_brute_force_finds_it(marched: March, seeds: range, end: float) -> None:
     assert sum(check_motion(marched, seed, end) for seed in seeds) > 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("marched", "seed"), [*((by_modes, seed) for seed in range(4, 110)), *((by_elements, seed) for seed in range(60))]
+    ("marched", "seed"), [*((by_modes, seed) for seed in range(110)), *((by_elements, seed) for seed in range(60))]
 )
 def test_many_motions_switch_where_brute_force_finds_it(marched: March, seed: int) -> None:
     check_motion(marched, seed)
@@ -161,9 +161,14 @@ def dragged_along_ramps(rng: np.random.Generator, **options: bool) -> Problem:
     )
 
 
+def test_motions_along_ramps_switch_where_brute_force_finds_it() -> None:
+    check_motion(by_modes, 0, 0.6, dragged_along_ramps)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [along_ramps, dragged_along_ramps])
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 60))])
-def test_motions_along_ramps_switch_where_brute_force_finds_it(draw: Draw, seed: int) -> None:
+@pytest.mark.parametrize("seed", range(60))
+def test_many_motions_along_ramps_do(draw: Draw, seed: int) -> None:
     check_motion(by_modes, seed, 1.2, draw)
 
 

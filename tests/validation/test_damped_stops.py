@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_joints import damped_cantilever
 
 import fe_lapjoint
 from analytic.solver import Solver
 from lapjoint.answers import History
-from tests.helpers.random_joints import damped_cantilever
 from validation.invariants import energy_balance, stated_energies, stated_impulses, witness
 
 
@@ -18,7 +18,9 @@ def motion(seed: int) -> History:
     return Solver(n_modes=20).simulate(damped_cantilever(np.random.default_rng(seed)), 2.0, errors=False)
 
 
-@pytest.mark.parametrize("seed", [0, 3])  # viscous damping, so that all of the energy is accounted for
+@pytest.mark.parametrize(
+    "seed", [0, pytest.param(3, marks=pytest.mark.thorough)]
+)  # viscous damping, so that all of the energy is accounted for
 def test_damped_stops_take_the_energy_that_is_missing(seed: int) -> None:
     found = motion(seed)
     assert abs(energy_balance(found, 1e-5).value) < 1e-5  # 20 modes leave 1e-6
@@ -30,7 +32,7 @@ def test_damped_stops_take_the_energy_that_is_missing(seed: int) -> None:
 
 
 @pytest.mark.parametrize("solver", [Solver(n_modes=20), fe_lapjoint.Solver(elements=8)])
-@pytest.mark.parametrize("seed", [1, 2])  # seed 2 ends within a contact
+@pytest.mark.parametrize("seed", [pytest.param(1, marks=pytest.mark.thorough), 2])  # seed 2 ends within a contact
 def test_stated_energies_are_those_of_the_force_law(solver: Solver | fe_lapjoint.Solver, seed: int) -> None:
     found = solver.simulate(damped_cantilever(np.random.default_rng(seed)), 1.0, errors=False)
     assert found.dissipated().max() > 0

@@ -65,6 +65,7 @@ def test_without_errors_there_are_none(joint: SteadyState) -> None:
         summarise(joint, at=[3.0])
 
 
+@pytest.mark.thorough
 def test_means_of_chaos_have_standard_errors_and_peaks_have_none() -> None:
     problem = bar(2.7, (0.0, 300.0), ratio=0.001, amplitude=AMPLITUDE, viscous=False).replace(beam=RIGID)
     found = analytic.Solver(n_modes=2, max_periods=300).steady_state(problem)

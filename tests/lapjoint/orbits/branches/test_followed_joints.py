@@ -62,7 +62,13 @@ def check(found: Followed, rng: np.random.Generator) -> None:
         assert float(np.linalg.norm(apart)) < 1e-4
 
 
-@pytest.mark.parametrize(("seed", "count"), [(SEED, FEW), pytest.param(SEED + 1, MANY, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("seed", "count"),
+    [
+        pytest.param(SEED, FEW, marks=pytest.mark.thorough),
+        pytest.param(SEED + 1, MANY, marks=pytest.mark.slow),
+    ],
+)
 def test_random_joints_are_followed_through_all_their_contacts(seed: int, count: int) -> None:
     ends = []
     for index in range(count):
