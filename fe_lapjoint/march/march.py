@@ -174,7 +174,7 @@ class _LastingContact:
     deepest: float = 0.0
     """Largest penetration so far, m."""
     work: float = 0.0
-    """Energy that a damped stop took so far, J."""
+    """Energy that a damped stop took so far, J; not a number where the motion has no closed form of it."""
 
 
 @dataclass
@@ -381,6 +381,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
         for k, contact in lasting.items():
             contact.deepest = float(deepest_[k])
+            contact.work = math.nan if peaks and k in model.damped else 0.0
         peaks = False
     elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
@@ -394,9 +395,11 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
-        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
-            sign, gap = float(model.sign[k]), float(model.gap[k])
-            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
+        if k in model.damped:
+            sign, gap, flow, lost = float(model.sign[k]), float(model.gap[k]), piece.flow, math.nan
+            if isinstance(flow, CoupledFlow) and flow.system.plain:
+                lost = float(model.stiffness[k]) * flow.work_on(k, sign, gap, piece.end)
+            contact.work += lost
 
 
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:

@@ -53,8 +53,9 @@ def test_blocks_of_ramps_change_no_motion(seed: int, monkeypatch: pytest.MonkeyP
 
 def test_a_shaken_joint_with_damped_stops_has_energies_of_its_stops() -> None:
     history = Solver(elements=2).simulate(sampled_joint(2), 1.5)
-    assert history.contacts
-    assert all(contact.dissipated > 0 for contact in history.contacts if not contact.open_end)
+    lost = [it.dissipated for it in history.contacts if history.problem.stops[it.stop].damping and not it.open_end]
+    assert lost
+    assert min(lost) > 0
 
 
 def check_library(problem: Problem, method: str) -> None:
