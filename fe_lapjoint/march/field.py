@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.system import Coordinates
@@ -74,10 +73,8 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
-    exact = model.method == "exact" and model.problem.forces.ramps is None
-    if exact and all(model.system(state).plain for state in states if isinstance(model.system(state), Coupled)):
-        return without_stored(made)
-    return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
+    fastest = max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states))
+    return with_dissipation(without_stored(made), fastest)
 
 
 def _later(piece: Piece, offset: float) -> Piece:

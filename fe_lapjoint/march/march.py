@@ -32,8 +32,8 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-_GAUSS = np.polynomial.legendre.leggauss(10)
-"""Points and weights of Gauss' rule on [-1, 1]."""
+_GAUSS = np.polynomial.legendre.leggauss(7)
+"""Points and weights of Gauss' rule on [-1, 1], exact for the polynomials of degree 13 at most of dense output."""
 _PIECE = 1000
 """Upper estimate of the memory of a piece of a motion, beside (q, q') at its start, bytes."""
 _ACCOUNTED = 1024
@@ -63,6 +63,33 @@ class FlowFrom:
 
 
 @dataclass(frozen=True, slots=True)
+class LibraryMotion:
+    """A motion by dense output of a library method; as `Coordinates`."""
+
+    system: System
+    dense: Any
+    """scipy's `OdeSolution` of (q, q')."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 3) of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
+        found = [*self.dense(t).reshape(2, -1, t.size)]
+        for order in range(dt - 1):
+            found.append(self.system.next_derivative(t, found[order], found[order + 1], order))
+        return np.asarray(found[dt])
+
+    def areas(self, end: float) -> FloatArray:
+        """The time integral of what the forces of the stops read, from the start to `end`, m s, shape ``(P,)``.
+
+        Gauss' rule takes each step of the method, on which dense output is a polynomial: a step is as short as the fast
+        motion after a switch needs.
+        """
+        edges = np.append(self.dense.ts[self.dense.ts < end], end)
+        half = np.diff(edges)[:, None] / 2
+        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        return np.asarray(self.system.of_forces.read(self, t) @ w)
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """A stretch of the motion in one state, as integrated."""
 
@@ -87,13 +114,15 @@ class Piece:
 
     def kept(self, model: Model) -> Piece:
         """This piece with coordinates that are rebuilt at each call, for later use."""
+        if isinstance(self.coordinates, RampMotion):
+            return replace(self, coordinates=replace(self.coordinates))  # without its amplitudes
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
-def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
-    """Modal coordinates from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
+def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> LibraryMotion:
+    """The motion from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
 
     A method that stops before the end of the window gives a SolverError.
     """
@@ -104,16 +133,7 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
     solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
     if not solution.success:
         raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    n = system.omega.size
-
-    def coordinates(times: FloatArray, dt: int = 0) -> FloatArray:
-        values = solution.sol(times)
-        found = [values[:n], values[n:]]
-        for order in range(dt - 1):
-            found.append(system.next_derivative(times, found[order], found[order + 1], order))
-        return np.asarray(found[dt])
-
-    return coordinates
+    return LibraryMotion(system, solution.sol)
 
 
 @dataclass(frozen=True)
@@ -154,7 +174,7 @@ class _LastingContact:
     deepest: float = 0.0
     """Largest penetration so far, m."""
     work: float = 0.0
-    """Energy that a damped stop took so far, J."""
+    """Energy that a damped stop took so far, J; not a number where the motion has no closed form of it."""
 
 
 @dataclass
@@ -353,7 +373,7 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     """Add a piece to the area and the depth of the contacts that last through it."""
     if not lasting or piece.end <= piece.start:
         return
-    system, duration = model.system(piece.state), piece.end - piece.start
+    duration = piece.end - piece.start
     if isinstance(piece.coordinates, RampMotion):
         closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
         for k, contact in lasting.items():
@@ -361,15 +381,12 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
         for k, contact in lasting.items():
             contact.deepest = float(deepest_[k])
+            contact.work = math.nan if peaks and k in model.damped else 0.0
         peaks = False
     elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
-    else:
-        # Ten Gauss points on each of 16 panels are more accurate than the integrators' dense output.
-        edges = np.linspace(piece.start, piece.end, 17)
-        half = np.diff(edges)[:, None] / 2
-        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = system.of_forces.read(piece.coordinates, t) @ w
+    elif isinstance(piece.coordinates, LibraryMotion):
+        area = piece.coordinates.areas(piece.end)
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
@@ -378,9 +395,11 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
-        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
-            sign, gap = float(model.sign[k]), float(model.gap[k])
-            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
+        if k in model.damped:
+            sign, gap, flow, lost = float(model.sign[k]), float(model.gap[k]), piece.flow, math.nan
+            if isinstance(flow, CoupledFlow) and flow.system.plain:
+                lost = float(model.stiffness[k]) * flow.work_on(k, sign, gap, piece.end)
+            contact.work += lost
 
 
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:

@@ -51,9 +51,9 @@ def account(
 ) -> None:
     """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
-    `x`, ``(X,)``, holds the amplitudes at `t`, and is replaced by those at the end; `it` is room for a closed form.
-    `areas`, m s, ``(P,)``, takes the time integral of what the force of each stop reads.  If `depth`, the values of
-    `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
+    `x`, ``(X,)``, holds the amplitudes at `t`, and is replaced by those where the last closed form begins; `it` is room
+    for a closed form.  `areas`, m s, ``(P,)``, takes the time integral of what the force of each stop reads.  If
+    `depth`, the values of `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
     """
     p, stops = tables.factors.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
@@ -71,7 +71,8 @@ def account(
         for k in range(stops):
             if depth and closed[k]:
                 deepest[k] = _deepest(tables, it, k, width, z, deepest[k])
-        move(tables, it, width, waves, x)
+        if until < end:
+            move(tables, it, width, waves, x)
         put_motion(z[0], z[1])
         t, j, begun = until, following, True
     for k in range(closed.size):

@@ -58,18 +58,18 @@ class Interval(NamedTuple):
 
 
 def new_interval(tables: RampTables) -> Interval:
-    """An interval with arrays that are not filled yet."""
+    """An interval with arrays that are not filled yet; loads keep the zeros among their derivatives."""
     (p, m), (_, L, d) = tables.factors.shape, tables.gain.shape
     J, r = tables.drag.size, tables.body_slow.shape[0]
     return Interval(
         np.zeros((L, d)),
-        np.zeros(m, dtype=np.complex128),
-        np.zeros((p, m), dtype=np.complex128),
-        np.zeros((J, 1 + d)),
-        np.zeros((r, 2, d + 2)),
-        np.zeros((p, d + 2)),
-        np.zeros((4, tables.fading.size)),
-        np.zeros(p),
+        np.empty(m, dtype=np.complex128),
+        np.empty((p, m), dtype=np.complex128),
+        np.empty((J, 1 + d)),
+        np.empty((r, 2, d + 2)),
+        np.empty((p, d + 2)),
+        np.empty((4, tables.fading.size)),
+        np.empty(p),
     )
 
 
@@ -111,8 +111,8 @@ def _bend(line: FloatArray, first: int, s: float) -> float:
 @njit_inner()
 def _steady(tables: RampTables, loads: FloatArray, k: int) -> complex:
     """p of a term under loads and their derivatives, shape ``(L, d)``."""
-    total = 0j
-    for load in range(loads.shape[0]):
+    total: complex = tables.gain[k, 0, 0]  # the constant load, 1
+    for load in range(1, loads.shape[0]):
         for d in range(loads.shape[1]):
             total += tables.gain[k, load, d] * loads[load, d]
     return total
@@ -181,23 +181,22 @@ def begin_interval(
                 place[d + 1] += tables.body_push[b, 0, load] * it.loads[load, d]
                 speed[d + 1] += tables.body_push[b, 1, load] * it.loads[load, d]
         place[D + 1] = speed[D]
-    _write_places(tables, x, it)
+    _write_places(tables, it)
     _write_bounds(tables, ahead, it)
 
 
 @njit_inner()
-def _write_places(tables: RampTables, x: ComplexArray, it: Interval) -> None:
+def _write_places(tables: RampTables, it: Interval) -> None:
     """Write the motion of the places."""
-    (L, D), T, J = it.loads.shape, tables.gain.shape[0], tables.drag.size
+    (L, D), J = it.loads.shape, tables.drag.size
     for u in range(it.line.shape[0]):
         size, line = 0.0, it.line[u]
         line[:] = 0.0
         for load in range(L):
-            for d in range(D):
-                gain = tables.gain_at_places[u, load, d]
-                size += abs(gain * it.loads[load, d])
+            for d in range(D if load else 1):
+                size += tables.gain_sizes[u, load, d] * abs(it.loads[load, d])
                 for m in range(D - d):
-                    line[m] += gain * it.loads[load, m + d]
+                    line[m] += tables.gain_at_places[u, load, d] * it.loads[load, m + d]
         for b in range(it.body.shape[0]):
             for kind in range(2):
                 share = tables.body_at_places[u, b, kind]
@@ -210,9 +209,6 @@ def _write_places(tables: RampTables, x: ComplexArray, it: Interval) -> None:
             now = tables.factors[u, k] * it.terms[k]
             it.at_places[u, k] = now
             size += abs(now.real) + abs(now.imag)
-            if k < T:
-                whole = tables.factors[u, k] * x[k]
-                size += abs(whole.real) + abs(whole.imag)
         it.rounding[u] = _ROUNDING * size
 
 

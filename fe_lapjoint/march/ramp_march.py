@@ -250,7 +250,7 @@ class RampMotion:
 
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
-        order, tables, x = np.argsort(t, kind="stable"), self.form.tables, self.amplitudes()
+        order, tables, x = np.argsort(t, kind="stable"), self.form.tables, self.amplitudes.copy()
         result = np.empty((t.size, x.size), dtype=complex)
         amplitudes_at(tables, self.knots, self.start, x, new_interval(tables), t[order], result)
         unsorted = np.empty_like(result)
@@ -258,6 +258,7 @@ class RampMotion:
         q, v = self.form.motion(t, unsorted).reshape(2, -1, t.size)
         return np.asarray((q, v)[dt] if dt < 2 else self.form.system.next_derivative(t, q, v))
 
+    @cached_property
     def amplitudes(self) -> ComplexArray:
         """The amplitudes at the start, shape ``(X,)``."""
         return self.form.amplitudes(self.start, self.y)
@@ -273,7 +274,7 @@ class RampMotion:
         """
         areas, deepest, tables = np.zeros(closed.size), deepest.copy(), self.form.tables
         room = new_interval(tables)
-        account(tables, self.knots, self.start, end, self.amplitudes(), room, depth, closed, areas, deepest)
+        account(tables, self.knots, self.start, end, self.amplitudes.copy(), room, depth, closed, areas, deepest)
         return areas, deepest
 
 
@@ -335,7 +336,7 @@ def follow(
     function above 0 when its stop switched, until it has been below 0; it is changed in place.  `rounding`, m,
     ``(P,)``, is the rounding error of each gap function before the start; the error at the end replaces it.
     """
-    form, knots, x = motion.form, motion.knots, motion.amplitudes()
+    form, knots, x = motion.form, motion.knots, motion.amplitudes.copy()
     tables = form.tables
     held, unclear = np.zeros((2, fresh.size), dtype=bool)
     watch = Watch(fresh, shift, rounding, np.zeros(fresh.size), held, unclear, np.zeros((fresh.size, 4)))
@@ -353,4 +354,4 @@ def follow(
             continue
         if hi:
             moved(tables, it, until - t, x)
-        return float(until), form.motion(np.array([until]), x[None, :])[:, 0], int(stop)
+        return float(until), form.motion_at(float(until), x), int(stop)

@@ -23,11 +23,13 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse
 
 from fe_lapjoint.march.coupled import Coupled, Exponentials
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.compiled.by_reference import by_reference, in_c_order
+from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 from lapjoint.problem.ramps import Ramps
 
@@ -61,6 +63,8 @@ class RampTables(NamedTuple):
     """What each derivative of a load adds to p of a term, shape ``(T, L, d)``."""
     gain_at_places: FloatArray
     """What each derivative of a load adds to what the places see, m over units of the load, shape ``(p, L, d)``."""
+    gain_sizes: FloatArray
+    """The moduli of all parts of `gain_at_places`, added, shape ``(p, L, d)``."""
     drag: FloatArray
     """Rates at which the slow terms fall, 1/s, shape ``(J,)``."""
     slow_push: FloatArray
@@ -134,7 +138,12 @@ class RampForm:
     def amplitudes(self, t: float, y: FloatArray) -> ComplexArray:
         """The amplitudes x at time `t`, s, from (q, q') there, shape ``(2 n,)``."""
         own = y if self._waves is None else y - (self._waves @ self._turned(np.array([t])))[:, 0]
-        return np.asarray((self.into @ own).view(complex))
+        return _times(self.into, own).view(complex)
+
+    def motion_at(self, t: float, x: ComplexArray) -> FloatArray:
+        """(q, q') at time `t`, s, from the amplitudes there, shape ``(2 n,)``."""
+        y = _times(self.out, x.view(float))
+        return y if self._waves is None else y + (self._waves @ self._turned(np.array([t])))[:, 0]
 
     def motion(self, t: FloatArray, x: ComplexArray) -> FloatArray:
         """(q, q') at times ``(m,)``, s, from the amplitudes there, shape ``(m, X)``; gives ``(2 n, m)``."""
@@ -154,6 +163,27 @@ class RampForm:
         """Cosines and sines of the harmonic loads' angles at times ``(m,)``, s, shape ``(2 H, m)``."""
         angle = np.multiply.outer(self.system.driven, t) + self.system.phase[:, None]
         return np.concatenate([np.cos(angle), np.sin(angle)])
+
+
+def _times(matrix: RealMatrix, x: FloatArray) -> FloatArray:
+    """The product with a vector; scipy spends ten times as long on the call of a sparse one as on the product."""
+    if isinstance(matrix, np.ndarray):
+        return np.asarray(matrix @ x)
+    result = np.empty(matrix.shape[0])
+    _sparse_times(matrix.data, matrix.indices, matrix.indptr, x, result)
+    return result
+
+
+@njit_called()
+def _sparse_times(
+    data: FloatArray, columns: npt.NDArray[np.int32], first: npt.NDArray[np.int32], x: FloatArray, result: FloatArray
+) -> None:
+    """Write the product of a matrix in compressed rows and `x` into `result`."""
+    for i in range(result.size):
+        total = 0.0
+        for j in range(first[i], first[i + 1]):
+            total += data[j] * x[columns[j]]
+        result[i] = total
 
 
 def own_exponentials(system: System) -> Exponentials:
@@ -215,9 +245,11 @@ def ramp_form(system: System, orientation: FloatArray, offset: FloatArray, windo
     factors = system.places @ (modes * elastic[:, None]) + delay[:, None] * (system.places @ speeds)
     own = factors[:, fast] + system.places[:, rigid] @ modes[np.ix_(rigid, fast)]
     gain_at_places = np.einsum("uk,kld->uld", own, gain).real
+    gain_sizes = np.einsum("uk,kld->uld", np.abs(own), np.abs(gain))
     if sees:
-        gain_at_places[:, -2, 0] += system.ramps.seen
-        gain_at_places[:, -1, 0] += system.ramps.seen * delay
+        for kind, seen in ((-2, system.ramps.seen), (-1, system.ramps.seen * delay)):
+            gain_at_places[:, kind, 0] += seen
+            gain_sizes[:, kind, 0] += np.abs(seen)
     body_slow = speeds[np.ix_(rigid, slow)].real
     body_push = np.stack([-(modes[np.ix_(rigid, fast)] @ push[fast]).real, pushed[rigid] * alone[:, None]], axis=1)
     rates = np.concatenate([free.rates[fast], 1j * system.driven])
@@ -232,6 +264,7 @@ def ramp_form(system: System, orientation: FloatArray, offset: FloatArray, windo
         factors=every,
         gain=gain,
         gain_at_places=gain_at_places,
+        gain_sizes=gain_sizes,
         drag=-free.rates[slow].real,
         slow_push=push[slow].real,
         slow_at_places=np.stack([factors[:, slow].real, system.places[:, rigid] @ body_slow], axis=-1),
