@@ -38,13 +38,13 @@ class Span(NamedTuple):
 
 
 def with_dissipation(history: History, fastest: float) -> History:
-    """The motion with the energy that is lost in each contact of a damped stop.
+    """The motion with the energy that is lost in each contact of a damped stop, where it is not a number yet.
 
     `fastest`, 1/s, is the largest rate at which a part of the motion decays or turns.
     """
     contacts = list(history.contacts)
     for stop, it in enumerate(history.problem.structure.stops):
-        which = [i for i, contact in enumerate(contacts) if contact.stop == stop]
+        which = [i for i, contact in enumerate(contacts) if contact.stop == stop and math.isnan(contact.dissipated)]
         if it.damping > 0 and which:
             spans = [Span(it.start, it.end, it.open_start, it.open_end) for it in (contacts[i] for i in which)]
             for i, lost in zip(which, energies_lost(history, stop, spans, fastest), strict=True):
@@ -132,8 +132,7 @@ def _courses(history: History, stop: int, spans: Sequence[Span], fastest: float 
     for part in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
         within = np.clip(part, history.start, history.end)
         d, rate = (it.sign * history.seen_by_stops(within, dt)[stop] for dt in (0, 1))
-        force = it.stiffness * (d - it.gap) + it.damping * rate
-        forces.append(force if it.may_pull else np.maximum(force, 0.0))
+        forces.append(it.stiffness * (d - it.gap) + it.damping * rate)
         rates.append(rate)
     columns = np.array([np.concatenate(one) for one in (weights, forces, rates)])
     return np.split(columns, np.cumsum(sizes)[:-1], axis=1)
