@@ -13,6 +13,7 @@ import pytest
 from few_and_many import in_processes
 from population import driven_joint
 from random_joints import DAMPED, PERIODS, real_march
+from refining import AnySolver
 
 import analytic
 import fe_lapjoint
@@ -20,7 +21,7 @@ from lapjoint import Problem
 from lapjoint.answers import Contact
 from lapjoint.errors import RecordWarning
 
-SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
+SOLVERS: tuple[AnySolver, ...] = (analytic.Solver(), fe_lapjoint.Solver(elements=24))
 SEED, COUNT = 271, 200
 FEW = (0, 1, 2, 3, 4, 5, 37)  # two of each kind of excitation, and a record with a load that is a sine
 REAL = (3, 7, 11, 15, 35)  # steps, gravity, preload, and several at once
@@ -47,12 +48,12 @@ class Compared:
 Drawn = Callable[[int, int], tuple[Problem, float]]
 
 
-def compared(drawn: Drawn, index: int) -> Compared:
+def compared(drawn: Drawn, index: int, solvers: tuple[AnySolver, ...] = SOLVERS) -> Compared:
     """Both solvers on one problem, from rest: the first contacts of which both state an error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)
         problem, duration = drawn(SEED, index)
-        every = [solver.simulate(problem, duration).contacts for solver in SOLVERS]
+        every = [solver.simulate(problem, duration).contacts for solver in solvers]
     size = max((abs(c.impulse) for contacts in every for c in contacts), default=0.0)
     heavy = [[c for c in contacts if abs(c.impulse) > GRAZE * size][:CONTACTS] for contacts in every]
     numbers: list[tuple[str, float]] = []
