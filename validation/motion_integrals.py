@@ -50,6 +50,7 @@ def applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[Fl
 
 
 def first_panel(history: History) -> float:
+    """Length of the coarsest panels in time, s: a sixteenth of the motion or of its fastest excitation period."""
     whole, fastest = history.end - history.start, history.problem.forces.fastest
     return (min(whole, 2 * math.pi / fastest) if fastest else whole) / 16
 
