@@ -168,6 +168,12 @@ LINKED = {
         f"1 / {SPRING:g} + alpha_1 + alpha_2 = 0",
         ContactState((0,)),
     ),
+    "unlike cantilevers, spring beside a closed stop": Linked(
+        _TOUCHING.replace(links=_linked(SPRING, beams=_beams(*OTHER)).links),
+        (joined(2 * SPRING, tip(), tip(*OTHER)),),
+        f"1 / {2 * SPRING:g} + alpha_1 + alpha_2 = 0",
+        ContactState((0,)),
+    ),
     "unlike cantilevers, open stop": Linked(
         _TOUCHING,
         (_cantilever, lambda b: tip(*OTHER)(b)[1]),
