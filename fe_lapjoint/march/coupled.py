@@ -36,6 +36,7 @@ from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.system import ComplexArray, Coordinates, IndexArray, ModalRamps, System
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop
 
@@ -45,6 +46,7 @@ _SKEW = 3e6
 _APART = 1e-13
 """Relative change of the stops' damping that parts two such eigenvalues, by its square root; doubled until it does."""
 _ATTEMPTS = 8
+_KEPT = 256  # states whose free motions are kept, each of half a megabyte with 40 elements
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,16 @@ def exponentials(omega: FloatArray, own: FloatArray, coupling: FloatArray) -> Ex
     """The free motions of q'' + D q' + omega^2 q = 0, of frequencies ``(n,)`` and matrices D = own + coupling, 1/s.
 
     Where two eigenvectors nearly coincide, as at critical damping, `coupling` is changed by as little as parts them.
+    They are kept by the numbers that they depend on: the same joint asks for them again under other loads.
     """
+    return _kept_exponentials(omega.tobytes(), own.tobytes(), coupling.tobytes())
+
+
+@cached(_KEPT)
+def _kept_exponentials(*numbers: bytes) -> Exponentials:
+    """`exponentials` of arrays in the form of bytes; not to be written to."""
+    omega, *both = (np.frombuffer(part) for part in numbers)
+    own, coupling = (matrix.reshape(omega.size, -1) for matrix in both)
     best, least = None, math.inf
     for i in range(_ATTEMPTS):
         found, skew = _exponentials(omega, own + coupling * (1 + (_APART * 2**i if i else 0.0)))

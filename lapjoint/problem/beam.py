@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -220,7 +221,7 @@ class Beam(Part):
             fluids = [name for name in ("contents_per_length", "added_mass_per_length") if getattr(self, name)]
             yield from _piece_out_of_range(piece.EI, piece.inertia, self.length, EI_from, (*m_from, *fluids))
 
-    @property
+    @cached_property
     def pieces(self) -> tuple[BeamPiece, ...]:
         """The parts of constant stiffness and mass, from the root to the tip; one, if there are no segments."""
         found, start = [], 0.0
