@@ -208,7 +208,7 @@ def _write_places(tables: RampTables, it: Interval) -> None:
         for k in range(tables.rates.size):
             now = tables.factors[u, k] * it.terms[k]
             it.at_places[u, k] = now
-            size += abs(now.real) + abs(now.imag)
+            size += abs(now.real) + tables.turned[k] * abs(now.imag)
         it.rounding[u] = _ROUNDING * size
 
 
@@ -216,16 +216,22 @@ def _write_places(tables: RampTables, it: Interval) -> None:
 def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
     """Write the bounds at the start; later each falls as exp(-fading s).
 
-    An amplitude bounds its term, and gains a factor of its rate with each derivative.  Of a slow term, the derivatives
-    of c obey c' = r c + b with derivatives of b, and grow from their values at the start by no more than the integral
-    of the load.
+    An amplitude bounds its term, and gains a factor of its rate with each derivative.  A nearly critical mode, with the
+    damping rate a, moves by at most abs(x) + abs(v + a x) t times exp(-a t), and t is at most 2 exp(a t / 2) / e a.
+    Of a slow term, the derivatives of c obey the equation of c, too, and grow from their values at the start
+    by no more than the integral of the load.
     """
     m = tables.rates.size
     for k in range(m):
-        size = abs(it.terms[k])
+        size, now, rate = abs(it.terms[k]), it.terms[k], tables.rates[k]
         for d in range(4):
-            it.bounds[d, k] = size
-            size *= tables.swinging[k]
+            if tables.swinging[k] == 0:
+                drift = abs((rate * now).real - rate.real * now.real)
+                it.bounds[d, k] = abs(now.real) - drift * 2 / (math.e * rate.real)
+                now *= rate
+            else:
+                it.bounds[d, k] = size
+                size *= tables.swinging[k]
     for u in range(tables.fading.size - m):
         it.bounds[0, m + u] = it.bounds[1, m + u] = np.inf
         for d in range(2, 4):

@@ -35,8 +35,10 @@ from lapjoint.problem.ramps import Ramps
 
 RealMatrix: TypeAlias = FloatArray | scipy.sparse.csr_array
 _APART = 1e-5
-"""Half the relative distance kept between the two rates of a critically damped mode.  Its motion changes by 2e-11 of
-itself at most, and loses as much by rounding, because the two terms nearly cancel."""
+"""A critically damped mode turns with this fraction of its damping rate; its motion changes by 1e-10 of itself at most.
+The imaginary part of its amplitude is 1e5 times its motion, but it and its rounding error turn as little."""
+_NEAR = 0.5
+"""Turn of a mode, as a fraction of its damping rate, below which its amplitude is a poor bound of its motion."""
 
 
 @by_reference
@@ -52,7 +54,9 @@ class RampTables(NamedTuple):
     rates: ComplexArray
     """Rates of the terms and of the harmonic loads, 1/s, shape ``(m,)``."""
     swinging: FloatArray
-    """Moduli of `rates`, 1/s, shape ``(m,)``."""
+    """Moduli of `rates`, 0 for nearly critical modes, 1/s, shape ``(m,)``."""
+    turned: FloatArray
+    """Share of an imaginary part, with its rounding error, that comes to be real, at most; shape ``(m,)``."""
     driven: FloatArray
     """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
     phase: FloatArray
@@ -190,12 +194,12 @@ def own_exponentials(system: System) -> Exponentials:
     """The free motions of a state whose modes are not coupled, one mode after the other."""
     n, (a, omega) = system.omega.size, (system.damping_rate, system.omega)
     split = np.sqrt(np.abs(a**2 - omega**2))
-    rings = (omega > a) & (split > _APART * a)
+    rings = (omega > a) | ((omega > 0) & (split <= _APART * a))
+    split = np.where(rings, np.maximum(split, _APART * a), split)
     ring, pair = np.flatnonzero(rings), np.flatnonzero(~rings & (omega > 0))
     dragged = np.flatnonzero((omega == 0) & (a > 0))
-    apart = np.maximum(split, _APART * a)[pair]
-    fast = -(a[pair] + apart)
-    slow = np.where(split[pair] > _APART * a[pair], omega[pair] ** 2 / fast, -(a[pair] - apart))
+    fast = -(a[pair] + split[pair])
+    slow = omega[pair] ** 2 / fast
     rates = np.concatenate([-a[ring] + 1j * split[ring], slow, fast, -2 * a[dragged]])
     mode_of, term = np.concatenate([ring, pair, pair, dragged]), np.arange(rates.size)
     modes, back = np.zeros((n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
@@ -255,10 +259,15 @@ def ramp_form(system: System, orientation: FloatArray, offset: FloatArray, windo
     rates = np.concatenate([free.rates[fast], 1j * system.driven])
     every = np.concatenate([own, -1j * system.place_amplitudes], axis=1)
     bent = np.eye(system.places.shape[0] if r or J or sees else 0, system.places.shape[0]).T
+    turned = np.ones(rates.size)
+    if coupled is None:  # exp(-a s) sin(w s) is at most w / (e a)
+        rings = np.flatnonzero(rates[:T].imag > 0)
+        turned[rings] = rates[rings].imag / np.maximum(rates[rings].imag, -rates[rings].real)
     spacing = system.ramps.ramps.block_at(0.0).spacing
     tables = RampTables(
         rates=rates,
-        swinging=np.abs(rates),
+        swinging=np.where(turned < _NEAR, 0.0, np.abs(rates)),
+        turned=turned,
         driven=system.driven,
         phase=system.phase,
         factors=every,
@@ -272,7 +281,7 @@ def ramp_form(system: System, orientation: FloatArray, offset: FloatArray, windo
         body_slow=body_slow,
         body_at_places=np.stack([system.places[:, rigid], delay[:, None] * system.places[:, rigid]], axis=-1),
         shares=np.concatenate([np.abs(every), bent], axis=1),
-        fading=np.concatenate([-rates.real, np.zeros(bent.shape[1])]),
+        fading=np.concatenate([-rates.real * np.where(turned < _NEAR, 0.5, 1.0), np.zeros(bent.shape[1])]),
         place_of=system.place_of,
         force_place=system.place_of if coupled is None else coupled.force_place,
         orientation=orientation,

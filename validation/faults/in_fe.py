@@ -104,10 +104,10 @@ FE = (
     Fault(
         "fe-record-lag",
         "a term dropped",
-        "fe_lapjoint:_steady",
-        "The answer of a term to a force that grows does not lag behind the force.",
-        old="range(loads.shape[1])",
-        new="range(1)",
+        "fe_lapjoint:ramp_form",
+        "What damping makes of a force that grows is missed.",
+        old="free.rates[fast, None, None] ** np.arange(1, kinds + 1)",
+        new="(1j * free.rates[fast, None, None].imag) ** np.arange(1, kinds + 1)",
     ),
     Fault(
         "fe-record-turns",
