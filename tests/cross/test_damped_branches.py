@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,10 @@ from lapjoint.orbits.branches.tracing import Limits, Traced, trace
 
 PATH = "base_motion.angular_frequency"
 SOLVERS: dict[str, Any] = {"analytic": analytic.Solver(n_modes=8), "fe": fe_lapjoint.Solver(elements=6)}
+SETTLING: dict[str, Any] = {  # with fewer modes, arcs and marches differ by what a truncated switch loses, over 1e-6
+    "analytic": analytic.Solver(n_modes=16, max_periods=1500),
+    "fe": fe_lapjoint.Solver(elements=6, max_periods=1500),
+}
 SEED = 271
 SAME_IMPULSES = 1e-6  # of the largest: one motion by the equations of the branch and by the search
 LAWS = pytest.mark.parametrize("may_pull", [False, True])
@@ -80,7 +83,7 @@ def test_the_branch_of_a_preloaded_damped_joint_is_followed_by_both_solvers(may_
 
 def judged(name: str, index: int) -> int:
     """Compare five stable points of the branch of a random joint with the steady states found from them; how many."""
-    solver, problem = replace(SOLVERS[name], max_periods=1500), DAMPED(SEED, index)
+    solver, problem = SETTLING[name], DAMPED(SEED, index)
     steady = solver.steady_state(problem, sensitivity=False, errors=False)
     if steady.period_multiple != 1 or not steady.history.contacts:
         return 0
