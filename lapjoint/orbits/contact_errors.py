@@ -70,7 +70,17 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         source += f"; from {breaks[0, 0]:.6g} s on it is not always certain whether the force of a stop ends"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
-    return replace(history, contacts=contacts, error_source=source)
+    lost = _lost_errors(history, other, refinement, found) if parted == len(contacts) else None
+    return replace(history, contacts=contacts, error_source=source, lost_errors=lost)
+
+
+def _lost_errors(history: History, finer: History, refinement: Refinement, found: Differences) -> FloatArray:
+    """Errors of the energies lost in the stops over a whole march, J, (stops,): no break of a force changes them."""
+    own, apart = history.dissipated(), np.abs(history.dissipated() - finer.dissipated())
+    finite = found.dissipated[np.isfinite(found.dissipated)]
+    largest = float(max(apart.max(initial=0.0), finite.max(initial=0.0)))
+    errors = refinement.bounds(apart, largest, dt=OF_ENERGY) + ROUNDING * float(np.abs(own).max(initial=0.0))
+    return np.where([stop.damping > 0 for stop in history.problem.stops], errors, 0.0)
 
 
 def without_broken(found: Differences, broken: npt.NDArray[np.bool_]) -> Differences:

@@ -153,3 +153,16 @@ def test_a_trial_value_that_is_a_frequency_of_a_beam_alone_is_counted() -> None:
     assert np.array_equal(coupled.count_below(z * (1 + 1e-11)), [3, 7, 11, 15])
     assert np.all(coupled.count_below(z) <= [3, 7, 11, 15])
     assert omega(problem, 6)[[1, 2]] == pytest.approx((2 * math.pi) ** 2, rel=1e-13)
+
+
+@pytest.mark.parametrize("EI", [1e4, 1e8])
+def test_equal_beams_that_hardly_bend_have_pairs_of_slow_modes(EI: float) -> None:
+    """Each moves on its springs as the rigid beam that it nearly is: m w^2 = 2 k, or m w^2 = 6 k where it turns."""
+    springs = tuple(Support(x=x, translational=1.0) for x in (0.0, 1.0))
+    parts = {"length": 1.0, "bending_stiffness": EI, "mass_per_length": 1.0, "supports": springs}
+    problem = Problem(beams=(NamedBeam(name="a", **parts), NamedBeam(name="b", **parts)))
+    modes = exact_modes(problem, FREE, 4)
+    near = 1 / EI + 1e-10 * problem.line.slowest_bending
+    assert modes.omega == pytest.approx(np.sqrt([2.0, 2.0, 6.0, 6.0]), abs=near)
+    inertia = inertia_of(problem.line, problem.structure.masses)
+    assert gram(modes.shapes, modes.shapes, inertia) == pytest.approx(np.eye(4), abs=1e-9)
