@@ -378,10 +378,12 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
         closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
         for k, contact in lasting.items():
             closed[k], deepest_[k] = True, contact.deepest
-        area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
+        damped = np.array([stop.damping for stop in model.problem.structure.stops])
+        area, deepest_, works = piece.coordinates.accounted(piece.end, peaks, closed, damped > 0, deepest_)
         for k, contact in lasting.items():
             contact.deepest = float(deepest_[k])
-            contact.work = math.nan if peaks and k in model.damped else 0.0
+            if peaks and damped[k]:
+                contact.work += float(model.stiffness[k] * works[k, 0] + damped[k] * works[k, 1])
         peaks = False
     elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)

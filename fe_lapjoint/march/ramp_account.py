@@ -33,6 +33,10 @@ _DEEP = 48
 """Most halvings of an interval in the search for the deepest penetration: more than reach its last digit."""
 _NEWTON = 30
 """Most steps of Newton's method in the search for a maximum."""
+_SERIES = 14
+"""Terms of the series of (exp(x) - 1) / x for |x| up to a half: the next is 0.5^14 / 15! = 5e-17 of the first."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+"""Gauss' rule on [-1, 1]: exact for a polynomial, and to 1e-15 for one times an exponential that turns by 1."""
 _EPS = float(np.finfo(float).eps)
 
 
@@ -46,14 +50,18 @@ def account(
     it: Interval,
     depth: bool,
     closed: BoolArray,
+    damped: BoolArray,
     areas: FloatArray,
     deepest: FloatArray,
+    works: FloatArray,
 ) -> None:
     """Integrals and deepest penetrations of the stops over a march from `t` to `end`, s, without switches.
 
     `x`, ``(X,)``, holds the amplitudes at `t`, and is replaced by those where the last closed form begins; `it` is room
     for a closed form.  `areas`, m s, ``(P,)``, takes the time integral of what the force of each stop reads.  If
-    `depth`, the values of `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations.
+    `depth`, the values of `deepest`, m, ``(P,)``, of the `closed` stops are raised to their deepest penetrations, and
+    `works`, ``(P, 3)``, takes for those that are `damped`: half of what the square of the penetration d grows by, m2;
+    the time integral of d'^2, m2/s; and the sum of the moduli of the parts of this integral.
     """
     p, stops = tables.factors.shape[0], closed.size
     sums, waves, z = zeros(p), complex_zeros(tables.rates.shape), zeros((2, p, 3))
@@ -71,12 +79,74 @@ def account(
         for k in range(stops):
             if depth and closed[k]:
                 deepest[k] = _deepest(tables, it, k, width, z, deepest[k])
+            if depth and closed[k] and damped[k]:
+                u, sign, offset = tables.place_of[k], -tables.orientation[k], tables.offset[k]
+                works[k, 0] += ((sign * z[1, u, 0] + offset) ** 2 - (sign * z[0, u, 0] + offset) ** 2) / 2
+                value, size = _squared_speed(tables, it, u, width, waves)
+                works[k, 1] += value
+                works[k, 2] += size
         if until < end:
             move(tables, it, width, waves, x)
         put_motion(z[0], z[1])
         t, j, begun = until, following, True
     for k in range(closed.size):
         areas[k] = sums[tables.force_place[k]]
+
+
+@njit_inner()
+def _mean_wave(x: complex, wave: complex) -> complex:
+    """(exp(x) - 1) / x, where `wave` is exp(x)."""
+    if abs(x) > 0.5:
+        return (wave - 1.0) / x
+    total = 0j
+    for n in range(_SERIES, 0, -1):
+        total = 1.0 + total * x / (n + 1)
+    return total
+
+
+@njit_inner()
+def _squared_speed(tables: RampTables, it: Interval, u: int, s: float, waves: ComplexArray) -> tuple[float, float]:
+    """The time integral of the square of a place's velocity over `s` seconds, m2/s, and the moduli of its parts, added.
+
+    The velocity is a sum of exponentials and a polynomial P; `waves`, ``(m,)``, holds exp(rate s).  Products of two
+    exponentials are exponentials.  P with an exponential is integrated by parts, or by Gauss' rule if it hardly turns.
+    There are no slow terms.
+    """
+    total, size, m = 0.0, 0.0, tables.rates.size
+    line = it.line[u]
+    for g in range(_NODES.size):
+        t = s * (1 + _NODES[g]) / 2
+        speed, slow = 0.0, 0.0
+        for n in range(line.size - 1, 0, -1):
+            speed = line[n] + speed * t / n
+        for i in range(m):
+            r = tables.rates[i]
+            if abs(r) * s <= 1:
+                slow += (it.at_places[u, i] * r * np.exp(r * t)).real
+        total += _WEIGHTS[g] * s / 2 * speed * (speed + 2 * slow)
+        size += abs(_WEIGHTS[g] * s / 2 * speed * (abs(speed) + 2 * abs(slow)))
+    for i in range(m):
+        r = tables.rates[i]
+        one = it.at_places[u, i] * r
+        if abs(r) * s > 1:
+            factor = 2 * one / r
+            for d in range(1, line.size):
+                speed = 0.0
+                for n in range(line.size - 1, d - 1, -1):
+                    speed = line[n] + speed * s / (n - d + 1)
+                part = factor * (waves[i] * speed - line[d])
+                total += part.real
+                size += abs(part)
+                factor = -factor / r
+        for j in range(i + 1):
+            q = tables.rates[j]
+            other = it.at_places[u, j] * q
+            both = one * other * _mean_wave((r + q) * s, waves[i] * waves[j])
+            crossed = one * other.conjugate() * _mean_wave((r + q.conjugate()) * s, waves[i] * waves[j].conjugate())
+            share = s if j < i else s / 2
+            total += share * (both + crossed).real
+            size += share * (abs(both) + abs(crossed))
+    return total, size
 
 
 @njit_inner()

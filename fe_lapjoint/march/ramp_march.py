@@ -48,6 +48,8 @@ marched again when it is evaluated."""
 _HALVINGS = 6
 """Halvings of an interval before it is searched: 64 parts of a window, about as many as the steps of a window without
 ramps."""
+_LOST = 1e-9
+"""Relative rounding error of an energy from which on quadrature along the motion finds the energy."""
 _EPS = float(np.finfo(float).eps)
 _CLEAR, _UNCLEAR, _RISING = 0, 1, 2
 """No switch; perhaps a switch; one switch, on a gap function that rises all the way."""
@@ -264,18 +266,42 @@ class RampMotion:
         return self.form.amplitudes(self.start, self.y)
 
     def accounted(
-        self, end: float, depth: bool, closed: BoolArray, deepest: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+        self, end: float, depth: bool, closed: BoolArray, damped: BoolArray, deepest: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Time integral of z at each stop up to `end`, m s, of a closed damped stop that of z + (c / k) z'; and the
-        deepest penetration of these so far, m, each ``(P,)``.
+        deepest penetration of these so far, m, each ``(P,)``; and for `damped` stops half of what the square of the
+        penetration d grows by, m2, and the time integral of d'^2, m2/s, ``(P, 2)``: not a number if rounding is too
+        large, or if there are slow terms.
 
         `closed` says which stops are closed, ``(P,)``; `deepest` holds their deepest penetrations before, m, ``(P,)``;
         `depth` says whether penetrations are searched for.
         """
-        areas, deepest, tables = np.zeros(closed.size), deepest.copy(), self.form.tables
+        areas, deepest, tables, works = (
+            np.zeros(closed.size),
+            deepest.copy(),
+            self.form.tables,
+            np.zeros((closed.size, 3)),
+        )
+        if tables.drag.size:
+            damped = np.zeros_like(damped)
+            works[:] = np.nan
         room = new_interval(tables)
-        account(tables, self.knots, self.start, end, self.amplitudes.copy(), room, depth, closed, areas, deepest)
-        return areas, deepest
+        account(
+            tables,
+            self.knots,
+            self.start,
+            end,
+            self.amplitudes.copy(),
+            room,
+            depth,
+            closed,
+            damped,
+            areas,
+            deepest,
+            works,
+        )
+        works[works[:, 2] * _EPS > _LOST * np.abs(works[:, 1])] = np.nan
+        return areas, deepest, works[:, :2]
 
 
 def motion_of(system: System, t: float, y: FloatArray) -> RampMotion:

@@ -148,6 +148,7 @@ def check(found: Iterable[Examined], covered: float) -> None:
     assert not [it for it in joints if any(said.startswith("false") for said in it.certificates)]
 
 
+@pytest.mark.thorough
 def test_a_few_joints_of_every_feature_are_solved_alike() -> None:
     check(map(examined, FEW), 1.0)
 
