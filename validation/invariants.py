@@ -3,11 +3,13 @@
 This witness is independent of the solvers: it knows the problem, and evaluates displacement and velocity anywhere, but
 does not know how they were computed.
 
-- energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
-  damping dissipation is C int z_t^2 dx.  Under modal damping it is not local, and only its sign can be checked;
+- energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Dissipation of
+  viscous damping is the integral of C z_t^2, and that of a link's damper c times the squared rate of what it sees.
+  Under modal damping it is not local, and only its sign can be checked;
 - force law and gaps: every stop that is closed by the contact state is pressed, and no other stop is;
 - momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, point
-  loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum;
+  loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of one beam to that of
+  angular momentum;
 - impulse: the stated impulse is the time integral of the force law;
 - dissipation: the stated energy lost in a damped stop is the time integral of force times rate, less what the spring
   stores where the history cuts the contact;
@@ -28,6 +30,8 @@ import numpy as np
 from lapjoint.answers import Contact, History
 from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
 from lapjoint.problem.load_shape import LoadShape
+from lapjoint.problem.named_beam import NamedBeam
+from lapjoint.problem.structure import PlacedLink
 from validation.references.panels import gauss_panels
 from validation.verdict import Criterion
 
@@ -49,11 +53,17 @@ def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Floa
 
 def _space(history: History) -> tuple[FloatArray, FloatArray]:
     problem = history.problem
-    parts = [support.x for support in problem.structure.supports] + [stop.x for stop in problem.structure.stops]
-    steps = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
+    parts = [support.x for support in problem.structure.supports]
+    parts += [x for stop in problem.structure.stops for x, _ in stop.reading]
+    parts += [x for link in problem.structure.links for x in (link.first, link.second)]
+    steps = [mass.x for mass in problem.structure.masses]
+    steps += [x for piece in problem.line.pieces for x in (piece.start, piece.end)]
     loads = [x for force in problem.forces.every for x in force.shape.edges]
     L = problem.line.length
-    return _panels(np.unique([0.0, L, *parts, *steps, *loads]), L / _PANELS_X)
+    longest = max(beam.length for beam in problem.line.beams)
+    x, w = _panels(np.unique([0.0, L, *parts, *steps, *loads]), longest / _PANELS_X)
+    on_beams = problem.line.EI_at(x) > 0
+    return x[on_beams], w[on_beams]
 
 
 def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[FloatArray], FloatArray]) -> FloatArray:
@@ -92,6 +102,10 @@ def energy(history: History, t: FloatArray) -> FloatArray:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
+    for link in problem.structure.links:
+        for derivative, stiffness in enumerate((link.translational, link.torsional)):
+            if 0 < stiffness < math.inf:
+                total = total + stiffness / 2 * _apart(history, link, t, derivative, 0) ** 2
     for stop, depth in zip(problem.structure.stops, history.penetration(t), strict=True):
         if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
             total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
@@ -99,7 +113,8 @@ def energy(history: History, t: FloatArray) -> FloatArray:
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus viscous dissipation.
+    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus the dissipation of viscous
+    damping and of dampers in links.
 
     Parameters
     ----------
@@ -122,10 +137,29 @@ def power(history: History, t: FloatArray) -> FloatArray:
     for stop, force, base in zip(
         problem.structure.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True
     ):
-        total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
-    if isinstance(problem.damping, ViscousDamping):
-        total -= problem.damping.coefficient * (w @ velocity**2)
-    return total
+        met = sum(factor * history.velocity(x, t)[0] for x, factor in stop.reading)
+        total += force * met if stop.damping > 0 else -force * base
+    for link in problem.structure.links:
+        for derivative, c in enumerate((link.damping, link.torsional_damping)):
+            if c > 0:
+                total -= c * _apart(history, link, t, derivative, 1) ** 2
+    return total - (w * _viscous(problem, x)) @ velocity**2
+
+
+def _apart(history: History, link: PlacedLink, t: FloatArray, dx: int, dt: int) -> FloatArray:
+    """A derivative of the second beam's displacement less that of the first, at a link, ``(m,)``."""
+    first, second = history.evaluate(np.array([link.first, link.second]), t, dx=dx, dt=dt)
+    return np.asarray(second - first)
+
+
+def _viscous(problem: Problem, x: FloatArray) -> FloatArray:
+    """Viscous damping at positions on the line, m, N s/m2: that of the problem, and of each beam its own; ``(n,)``."""
+    everywhere = problem.damping.coefficient if isinstance(problem.damping, ViscousDamping) else 0.0
+    found, line = np.zeros(x.size), problem.line
+    for start, end, beam in zip(line.starts, line.ends, line.beams, strict=True):
+        own = beam.viscous_damping if isinstance(beam, NamedBeam) else 0.0
+        found += (everywhere + own) * ((x > start) & (x < end))
+    return found
 
 
 def _first_panel(history: History) -> float:
@@ -237,8 +271,10 @@ def _from_middle(length: float) -> Callable[[FloatArray], FloatArray]:
     return lambda x: x - length / 2
 
 
-def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Criterion]:
+def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, ...]:
     """Errors of the balances of momentum and angular momentum, by the stated impulses, divided by the sum of all parts.
+
+    The angular momentum of several beams depends on where each stands, and is left out.
 
     Parameters
     ----------
@@ -249,8 +285,8 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
 
     Returns
     -------
-    Criterion, Criterion
-        The two residuals.
+    tuple of Criterion
+        The two residuals, or that of momentum alone.
     """
     problem, (x, w) = history.problem, _space(history)
     inertia, L, both = problem.line.inertia_at(x), problem.line.length, np.array([history.start, history.end])
@@ -261,7 +297,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         ("momentum", np.ones_like, 0.0),
         ("angular momentum", _from_middle(L), 1.0),
     )
-    for name, arm, slope in arms:
+    for name, arm, slope in arms[: 1 if problem.line.several else 2]:
 
         def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
             total = np.zeros(t.size)
@@ -272,15 +308,15 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
                     support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
                 )
                 total -= support.torsional * slope * history.slope(support.x, t)[0]
-            if isinstance(problem.damping, ViscousDamping):
-                total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
-            return total
+            return total - (w * _viscous(problem, x) * arm(x)) @ history.evaluate(x, t, dt=1)
 
         ends = (w * inertia * arm(x)) @ history.evaluate(x, both, dt=1)
         for mass in problem.structure.masses:
             ends = ends + mass.mass * float(arm(np.asarray(mass.x))) * history.velocity(mass.x, both)[0]
             ends = ends + mass.rotary_inertia * slope * history.evaluate(mass.x, both, dx=1, dt=1)[0]
-        stops = [-c.impulse * float(arm(np.asarray(problem.structure.stops[c.stop].x))) for c in history.contacts]
+        readings = [problem.structure.stops[c.stop].reading for c in history.contacts]
+        arms_of = [sum(factor * float(arm(np.asarray(at))) for at, factor in reading) for reading in readings]
+        stops = [-c.impulse * at for c, at in zip(history.contacts, arms_of, strict=True)]
         amount = float(np.abs(ends).sum() + np.abs(stops).sum())
         scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)
         momentum = max(momentum, amount)
@@ -288,7 +324,7 @@ def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Cri
         left = float(ends[1] - ends[0] - given) / scale
         reason = "quadrature and truncation, by the stated impulses"
         found.append(Criterion(f"{name} unaccounted for", "1", left, -tolerance, tolerance, reason))
-    return found[0], found[1]
+    return tuple(found)
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
@@ -366,7 +402,7 @@ def stated_energies(history: History, tolerance: float) -> Criterion:
         The largest difference of all contacts of damped stops, divided by the largest energy lost in a contact; of a
         stop without damping the whole energy counts as difference.
     """
-    stops, worst = history.problem.stops, 0.0
+    stops, worst = history.problem.structure.stops, 0.0
     largest = max((abs(contact.dissipated) for contact in history.contacts), default=0.0) or 1e-300
     for contact in history.contacts:
         k, lost = contact.stop, 0.0
