@@ -146,6 +146,20 @@ class Splines:
         start[2 * n :] = math.sin(base.phase), math.cos(base.phase)
         return float(self.at(place) @ (scipy.linalg.expm(A * t) @ start)[:n])
 
+    def under_ramps(self, place: str, loaded: str, times: FloatArray, values: FloatArray) -> float:
+        """Displacement, m, of a place at the last time of a record, s, of a force, N, that is linear between them."""
+        n, h = self.base.size, float(times[1] - times[0])
+        A = np.zeros((2 * n + 2, 2 * n + 2))
+        A[:n, n : 2 * n] = np.eye(n)
+        A[n : 2 * n, :n], A[n : 2 * n, n : 2 * n] = (-np.linalg.solve(self.M, it) for it in (self.K, self.C))
+        A[n : 2 * n, 2 * n] = np.linalg.solve(self.M, self.at(loaded))  # of the force; the last one is its rate
+        A[2 * n, 2 * n + 1] = 1.0
+        step, y = scipy.linalg.expm(A * h), np.zeros(2 * n + 2)
+        for one, other in pairwise(values.tolist()):
+            y[2 * n :] = one, (other - one) / h
+            y = step @ y
+        return float(self.at(place) @ y[:n])
+
 
 def _splines_of(problem: Problem, beam: NamedBeam) -> BSpline:
     """All splines of a beam; the first two are what its clamp forbids."""
