@@ -6,13 +6,15 @@ z, slope s = z', moment and shear pass over a length h of constant EI and load q
     z + s h + M h^2 / 2 EI + V h^3 / 6 EI + q h^4 / 24 EI,    s + M h / EI + V h^2 / 2 EI + q h^3 / 6 EI,
     M + V h + q h^2 / 2,                                      V + q h.
 
-At a force P upwards V jumps by P, and at a couple C in the sense of a positive slope M jumps by -C.  At the root M = V
-= 0 before what acts there.  All is then linear in the displacement and the slope of the root, in the reactions R_i of
-the springs of the supports, and in the forces F_j >= 0 of the stops, which act as P = -s_j F_j, s_j = 1 at the top and
--1 at the bottom.  The equations are
+At a force P upwards V jumps by P, and at a couple C in the sense of a positive slope M jumps by -C.  At the left end of
+each beam M = V = 0 before what acts there.  All is then linear in the displacements and the slopes of the left ends, in
+the reactions R_i of the springs of supports and links, and in the forces F_j >= 0 of the stops.  Springs and stops read
+r z, a displacement or the second beam's less the first one's; they act as P = R_i, or as P = -s_j F_j, s_j = 1 at the
+top and between beams and -1 at the bottom, on the beam that they read with +1, and opposite on the other.  The
+equations are
 
-    no force and no moment beyond the tip,    z(x_i) + R_i / k_i = 0    (of a torsional spring with z'),
-    s_j z(x_j) - gap_j = F_j / k_j where a stop presses, and s_j z(x_j) <= gap_j where F_j = 0.
+    no force and no moment beyond the right end of each beam,    r_i z + R_i / k_i = 0  (of a torsional spring with z'),
+    s_j r_j z - gap_j = F_j / k_j where a stop presses, and s_j r_j z <= gap_j where F_j = 0.
 
 An infinite stiffness needs no care: then 1 / k_i = 0.  `analytic.pivoting` says how the stops that press are found.
 
@@ -34,6 +36,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from analytic.pivoting import NoSolution, solve
 from lapjoint.answers.contact_state import ContactState
@@ -49,7 +52,7 @@ from lapjoint.errors import InputError
 from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.forces import ConstantForce
 from lapjoint.problem.initial import InitialShape
-from lapjoint.problem.problem import require_one_beam
+from lapjoint.problem.line import Line
 from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import PlacedStop
 
@@ -66,17 +69,20 @@ Affine = list[Fraction]
 
 @dataclass(frozen=True)
 class PiecewiseQuartic:
-    """z(x) as a polynomial of degree 4 in the distance from the start of each piece."""
+    """z(x) as a polynomial of degree 4 in the distance from the start of each piece; 0 on spaces between beams."""
 
     nodes: FloatArray
     """Ends of the pieces, m, ascending, shape ``(pieces + 1,)``."""
     coefficients: FloatArray
     """Coefficients, m^(1 - power), of the powers 0 to 4, shape ``(5, pieces)``."""
+    empty: npt.NDArray[np.bool_]
+    """Whether each piece is a space between beams, shape ``(pieces,)``."""
 
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
         """The shape or an x-derivative at ``x``, m, ``(...)``, shaped like `x`; see `StaticShape`."""
         at = np.asarray(x, dtype=float)
         piece = np.clip(np.searchsorted(self.nodes, at, side="left") - 1, 0, self.nodes.size - 2)
+        piece = np.where(self.empty[piece] & (at == self.nodes[piece + 1]), piece + 1, piece)
         h, found = at - self.nodes[piece], np.zeros_like(at)
         for power in range(4, derivative - 1, -1):
             found = found * h + math.perm(power, derivative) * self.coefficients[power][piece]
@@ -102,14 +108,14 @@ class PiecewiseQuartic:
 
 def equilibrium(problem: Problem, name: str) -> Equilibrium:
     """The static equilibrium of a problem, by a solver called `name`; an InputError if there is none."""
-    require_one_beam(problem, "equilibria are computed")
     found = _equilibrium(problem.structure, problem.forces.constant, breaks_of(problem))
     if isinstance(found, str):
         raise InputError(found)
-    zero = [0.0] * len(problem.structure.supports)
-    forces, moments = np.array(zero), np.array(zero)
+    supports = len(problem.structure.supports)
+    held = np.zeros((2, supports + len(problem.structure.links)))
     for spring, reaction in zip(_springs(problem.structure), found.reactions, strict=True):
-        (moments if spring.slope else forces)[spring.support] = reaction
+        held[int(spring.slope), spring.part] = reaction
+    (forces, moments), (link_forces, link_moments) = held[:, :supports], held[:, supports:]
     contacts, shape = np.array(found.contacts, dtype=float), found.shape
     EI = problem.line.EI_at(shape.nodes[1:])
     return Equilibrium(
@@ -119,15 +125,15 @@ def equilibrium(problem: Problem, name: str) -> Equilibrium:
         contact_forces=contacts,
         support_forces=forces,
         support_moments=moments,
+        link_forces=link_forces,
+        link_moments=link_moments,
         shape=shape,
         errors=EquilibriumErrors(
             shape.error(0),
             shape.error(1),
             shape.error_times(EI, 2),
             shape.error_times(EI, 3),
-            _ROUNDING * np.abs(contacts),
-            _ROUNDING * np.abs(forces),
-            _ROUNDING * np.abs(moments),
+            *(_ROUNDING * np.abs(each) for each in (contacts, forces, moments, link_forces, link_moments)),
         ),
         error_source="rounding of the answer, which was found in exact arithmetic",
         other_equilibria=found.other_equilibria,
@@ -141,12 +147,17 @@ def start_of(problem: Problem) -> InitialShape | RestingStart:
     return problem.start
 
 
+Reading = tuple[tuple[float, float], ...]
+"""Position on the line, m, and factor of each displacement, or slope, of a sum."""
+
+
 @dataclass(frozen=True)
 class _Spring:
-    """A spring of a support, that holds z or, if `slope`, the slope."""
+    """A spring of a support or link, that holds what it reads of displacements or, if `slope`, of slopes."""
 
-    support: int
-    x: float
+    part: int
+    """Index among the supports and then the links."""
+    reading: Reading
     slope: bool
     stiffness: float
 
@@ -162,48 +173,54 @@ class _Found:
 
 
 def _springs(structure: Structure) -> list[_Spring]:
-    """All springs of the supports that are not of stiffness 0."""
+    """All springs of the supports and links but those of stiffness 0, and those that hold what others hold."""
+    parts: list[tuple[Reading, float, float]] = [
+        (((it.x, 1.0),), it.translational, it.torsional) for it in structure.supports
+    ]
+    parts += [(((it.second, 1.0), (it.first, -1.0)), it.translational, it.torsional) for it in structure.links]
     return [
-        _Spring(i, support.x, slope, k)
-        for i, support in enumerate(structure.supports)
-        for slope, k in ((False, support.translational), (True, support.torsional))
-        if k > 0
+        _Spring(i, reading, bool(derivative), k)
+        for i, (reading, *springs) in enumerate(parts)
+        for derivative, k in enumerate(springs)
+        if k > 0 and (i, derivative) not in structure.idle
     ]
 
 
 @lru_cache(maxsize=_KEPT)
 def _equilibrium(structure: Structure, loads: tuple[ConstantForce, ...], breaks: tuple[float, ...]) -> _Found | str:
     """The equilibrium, or why there is none; `breaks`, m, are all places where anything acts or changes."""
-    springs, stops, L = _springs(structure), structure.stops, Fraction(structure.line.length)
-    beam = _Beam(structure, loads, breaks)
-    along = beam.with_reactions(springs, stops)
-    _, _, M, V = along.beyond_the_tip
-    rows = [V, [L * v - m for v, m in zip(V, M, strict=True)]]  # forces, and moments about the root
-    n = len(springs)
+    springs, stops = _springs(structure), structure.stops
+    beams = _Beams(structure, loads, breaks)
+    along = beams.with_reactions(springs, stops)
+    rows = beams.balances(along)
+    ends, n = len(rows), len(springs)
     for i, spring in enumerate(springs):
-        row = list(along.at(spring.x)[1 if spring.slope else 0])
-        row[2 + i] += _compliance(spring.stiffness)
+        row = along.read(spring.reading, int(spring.slope))
+        row[ends + i] += _compliance(spring.stiffness)
         rows.append(row)
     for j, stop in enumerate(stops):
-        row = [-stop.sign * value for value in along.at(stop.x)[0]]
-        row[2 + n + j] += _compliance(stop.stiffness)
+        row = [-stop.sign * value for value in along.read(stop.reading)]
+        row[ends + n + j] += _compliance(stop.stiffness)
         row[-1] += Fraction(stop.gap)
         rows.append(row)
-    solution = solve(rows, 2 + n)
+    solution = solve(rows, ends + n)
     if isinstance(solution, NoSolution):
-        shift, turn = _of_size_one(solution.direction[:2], L)
-        return nothing_resists(shift, turn, structure.line.length)
-    values = [*solution.free, *solution.forces]
-    shape = beam.polynomials(along, values)
+        return nothing_resists(structure.line, _of_size_one(solution.direction[:ends], structure.line))
+    shape = beams.polynomials(along, [*solution.free, *solution.forces])
     other = ""
-    motions = _free_motions(springs, [stop for stop, F in zip(stops, solution.forces, strict=True) if F])
+    pressing = [stop for stop, F in zip(stops, solution.forces, strict=True) if F]
+    motions = beams.free_motions(springs, pressing)
     if motions:
         waiting = [stop for stop, F in zip(stops, solution.forces, strict=True) if not F]
-        beam.add(shape, _nearest(shape, beam.nodes, motions, waiting))
-        touching = [stop for stop in waiting if not _depth(shape, beam.nodes, stop)]
-        other = _other_equilibria(motions, touching, L)
-    quartic = PiecewiseQuartic(np.array(breaks), np.array([[float(c) for c in piece] for piece in shape]).T)
-    reactions, contacts = ([float(value) for value in part] for part in (solution.free[2:], solution.forces))
+        shape = beams.moved(shape, _nearest(beams, shape, motions, waiting))
+        touching = [stop for stop in waiting if not beams.depth(shape, stop)]
+        other = _other_equilibria(beams, motions, touching)
+    coefficients, empty = (
+        np.array([[float(c) for c in piece] for piece in shape]).T,
+        np.array([not EI for EI in beams.EI]),
+    )
+    quartic = PiecewiseQuartic(np.array(breaks), coefficients, empty)
+    reactions, contacts = ([float(value) for value in part] for part in (solution.free[ends:], solution.forces))
     return _Found(tuple(reactions), tuple(contacts), quartic, other)
 
 
@@ -213,30 +230,38 @@ def _compliance(stiffness: float) -> Fraction:
 
 
 class _Along:
-    """z, z', M and V at each node, before what acts there, as affine functions of the unknowns; and beyond the tip."""
+    """z, z', M and V at each node, before what acts there and after it, as affine functions of the unknowns."""
 
     def __init__(self, nodes: Sequence[float], before: Sequence[list[Affine]], after: Sequence[list[Affine]]) -> None:
         self._index = {x: i for i, x in enumerate(nodes)}
         self._before, self.after = before, after
 
-    def at(self, x: float) -> list[Affine]:
-        """z, z', M and V just before a position, m, which is a node."""
-        return self._before[self._index[x]]
+    def read(self, reading: Reading, derivative: int = 0) -> Affine:
+        """A sum of displacements, or of slopes, at nodes."""
+        return _sum(*((Fraction(factor), self._before[self._index[x]][derivative]) for x, factor in reading))
 
-    @property
-    def beyond_the_tip(self) -> list[Affine]:
-        """z, z', M and V beyond all that acts at the tip."""
-        return self.after[-1]
+    def beyond(self, x: float) -> list[Affine]:
+        """z, z', M and V beyond all that acts at a position, m, which is a node."""
+        return self.after[self._index[x]]
 
 
-class _Beam:
-    """The beam under its loads between the nodes `breaks`, m, in rational numbers."""
+Row = list[Fraction]
+Polynomials = list[list[Fraction]]
+"""The coefficients of a shape on each span, in the distance from its start; none on spaces between beams."""
+Motion = list[Fraction]
+"""A rigid motion: of each beam the displacement of its left end, m, and its slope."""
+
+
+class _Beams:
+    """The beams under their loads between the nodes `breaks`, m, in rational numbers."""
 
     def __init__(self, structure: Structure, loads: tuple[ConstantForce, ...], breaks: tuple[float, ...]) -> None:
-        self.nodes, spans = breaks, list(pairwise(breaks))
-        pieces = structure.line.pieces
-        self.EI = [Fraction(next(it.EI for it in pieces if it.start <= a and b <= it.end)) for a, b in spans]
-        self.q, self.P = [Fraction(0) for _ in spans], {x: Fraction(0) for x in breaks}
+        self.line, self.nodes, spans = structure.line, breaks, list(pairwise(breaks))
+        pieces, none = self.line.pieces, Fraction(0)
+        self.EI = [next((Fraction(it.EI) for it in pieces if it.start <= a and b <= it.end), none) for a, b in spans]
+        """Bending stiffness of each span, N m2; 0 of a space between beams."""
+        self.beam_of = [self.line.beam_at((a + b) / 2) for a, b in spans]
+        self.q, self.P = [none for _ in spans], dict.fromkeys(breaks, none)
         for load in loads:
             for start, end, force in load.shape.pieces:
                 for i, (a, b) in enumerate(spans):
@@ -246,51 +271,129 @@ class _Beam:
                 self.P[x] += Fraction(force) * Fraction(load.force)
 
     def with_reactions(self, springs: list[_Spring], stops: tuple[PlacedStop, ...]) -> _Along:
-        """All quantities along the beam as affine functions of z and z' at the root, R_i and F_j."""
-        n, size = len(springs), 2 + len(springs) + len(stops) + 1
+        """All quantities along the beams as affine functions of z and z' at the left ends, R_i and F_j."""
+        ends, starts = 2 * len(self.line.beams), {x: i for i, x in enumerate(self.line.starts)}
+        size = ends + len(springs) + len(stops) + 1
         unit = [[Fraction(int(i == j)) for j in range(size)] for i in range(size)]
-        z, s, M, V = unit[0], unit[1], [Fraction(0)] * size, [Fraction(0)] * size
-        before, after = [], []
+        acting: dict[float, list[tuple[bool, Fraction, Affine]]] = {x: [] for x in self.nodes}
+        for spring, force in zip(springs, unit[ends:], strict=False):
+            for x, factor in spring.reading:
+                acting[x].append((spring.slope, Fraction(factor), force))
+        for stop, force in zip(stops, unit[ends + len(springs) :], strict=False):
+            for x, factor in stop.reading:
+                acting[x].append((False, -stop.sign * Fraction(factor), force))
+        z, s, M, V = ([Fraction(0)] * size for _ in range(4))
+        before, after, load = [], [], unit[-1]
         for i, x in enumerate(self.nodes):
+            if x in starts:
+                z, s, M, V = unit[2 * starts[x]], unit[2 * starts[x] + 1], [Fraction(0)] * size, [Fraction(0)] * size
             before.append([z, s, M, V])
-            V = _plus(V, (self.P[x], unit[-1]))
-            for j, spring in enumerate(springs):
-                if spring.x == x and spring.slope:
-                    M = _plus(M, (Fraction(-1), unit[2 + j]))
-                elif spring.x == x:
-                    V = _plus(V, (Fraction(1), unit[2 + j]))
-            for j, stop in enumerate(stops):
-                if stop.x == x:
-                    V = _plus(V, (Fraction(-stop.sign), unit[2 + n + j]))
+            V = _sum((Fraction(1), V), (self.P[x], load), *((f, F) for couple, f, F in acting[x] if not couple))
+            M = _sum((Fraction(1), M), *((-f, F) for couple, f, F in acting[x] if couple))
             after.append([z, s, M, V])
-            if i < len(self.EI):
-                h, EI, q = Fraction(self.nodes[i + 1]) - Fraction(x), self.EI[i], self.q[i]
-                load = unit[-1]
-                z = _plus(z, (h, s), (h**2 / 2 / EI, M), (h**3 / 6 / EI, V), (q * h**4 / 24 / EI, load))
-                s = _plus(s, (h / EI, M), (h**2 / 2 / EI, V), (q * h**3 / 6 / EI, load))
-                M = _plus(M, (h, V), (q * h**2 / 2, load))
-                V = _plus(V, (q * h, load))
+            if i < len(self.EI) and self.EI[i]:
+                one, h, EI, q = Fraction(1), Fraction(self.nodes[i + 1]) - Fraction(x), self.EI[i], self.q[i]
+                z = _sum((one, z), (h, s), (h**2 / 2 / EI, M), (h**3 / 6 / EI, V), (q * h**4 / 24 / EI, load))
+                s = _sum((one, s), (h / EI, M), (h**2 / 2 / EI, V), (q * h**3 / 6 / EI, load))
+                M = _sum((one, M), (h, V), (q * h**2 / 2, load))
+                V = _sum((one, V), (q * h, load))
         return _Along(self.nodes, before, after)
 
-    def polynomials(self, along: _Along, values: Sequence[Fraction]) -> list[list[Fraction]]:
-        """The five coefficients of z on each span, in the distance from its start, for values of the unknowns."""
+    def balances(self, along: _Along) -> list[Affine]:
+        """Of each beam all forces, and all moments about its left end, which must be 0."""
+        rows = []
+        for start, end in zip(self.line.starts, self.line.ends, strict=True):
+            _, _, M, V = along.beyond(end)
+            rows += [V, _sum((Fraction(end) - Fraction(start), V), (Fraction(-1), M))]
+        return rows
+
+    def polynomials(self, along: _Along, values: Sequence[Fraction]) -> Polynomials:
+        """z on each span for values of the unknowns; five coefficients, 0 on spaces."""
         found = []
         for i, EI in enumerate(self.EI):
             z, s, M, V = (_value(quantity, values) for quantity in along.after[i])
-            found.append([z, s, M / 2 / EI, V / 6 / EI, self.q[i] / 24 / EI])
+            found.append([z, s, M / 2 / EI, V / 6 / EI, self.q[i] / 24 / EI] if EI else [Fraction(0)] * 5)
         return found
 
-    def add(self, shape: list[list[Fraction]], motion: tuple[Fraction, Fraction]) -> None:
-        """Add a rigid motion, of the root and of the slope, to a shape."""
-        for x, piece in zip(self.nodes[:-1], shape, strict=True):
-            piece[0] += motion[0] + motion[1] * Fraction(x)
-            piece[1] += motion[1]
+    def rigid(self, motion: Motion) -> Polynomials:
+        """A rigid motion as a shape."""
+        return [
+            [motion[2 * b] + motion[2 * b + 1] * (Fraction(x) - Fraction(self.line.starts[b])), motion[2 * b + 1]]
+            if EI
+            else [Fraction(0)] * 2
+            for x, b, EI in zip(self.nodes, self.beam_of, self.EI, strict=False)
+        ]
+
+    def moved(self, shape: Polynomials, motion: Motion) -> Polynomials:
+        """A shape with a rigid motion added."""
+        both = zip(shape, self.rigid(motion), strict=True)
+        return [[piece[0] + more[0], piece[1] + more[1], *piece[2:]] for piece, more in both]
+
+    def depth(self, shape: Polynomials, stop: PlacedStop) -> Fraction:
+        """How far what a stop's gap sees is beyond the gap, exactly."""
+        z = Fraction(0)
+        for x, factor in stop.reading:
+            i = self.nodes.index(x)
+            i -= i == len(self.EI) or not self.EI[i]  # at the right end of a beam, the span to the left
+            h = Fraction(x) - Fraction(self.nodes[i])
+            z += Fraction(factor) * sum((c * h**n for n, c in enumerate(shape[i])), Fraction(0))
+        return stop.sign * z - Fraction(stop.gap)
+
+    def product(self, one: Polynomials, other: Polynomials) -> Fraction:
+        """The integral along the beams of the product of two shapes."""
+        return sum(
+            (
+                c * d * (Fraction(b) - Fraction(a)) ** (m + n + 1) / (m + n + 1)
+                for (a, b), first, second in zip(pairwise(self.nodes), one, other, strict=True)
+                for m, c in enumerate(first)
+                for n, d in enumerate(second)
+                if c and d
+            ),
+            Fraction(0),
+        )
+
+    def read_of_motions(self, reading: Reading, slope: bool = False) -> Motion:
+        """What a sum of displacements, or of slopes, is of a rigid motion of size 1 of each beam's end and slope."""
+        row = [Fraction(0)] * 2 * len(self.line.beams)
+        for x, factor in reading:
+            b = self.line.beam_at(x)
+            row[2 * b + 1] += Fraction(factor) * (1 if slope else Fraction(x) - Fraction(self.line.starts[b]))
+            row[2 * b] += 0 if slope else Fraction(factor)
+        return row
+
+    def way(self, motion: Motion, stop: PlacedStop) -> Fraction:
+        """How far a rigid motion goes towards a stop."""
+        return stop.sign * _dot(self.read_of_motions(stop.reading), motion)
+
+    def free_motions(self, springs: list[_Spring], pressing: list[PlacedStop]) -> list[Motion]:
+        """A basis of the rigid motions that neither springs nor pressing stops resist: 0 to 2 a beam."""
+        size, free = 2 * len(self.line.beams), []
+        held = [self.read_of_motions(spring.reading, spring.slope) for spring in springs]
+        held += [self.read_of_motions(stop.reading) for stop in pressing]
+        columns: list[int] = []  # one of each reduced row, which has 1 there where the other rows have 0
+        for column in range(size):
+            row = next((row for row in held[len(columns) :] if row[column]), None)
+            if row is None:
+                free.append(column)
+                continue
+            held.remove(row)
+            held.insert(len(columns), [value / row[column] for value in row])
+            row = held[len(columns)]
+            held = [other if other is row else _sum((Fraction(1), other), (-other[column], row)) for other in held]
+            columns.append(column)
+        found = []
+        for column in free:
+            motion = [Fraction(int(i == column)) for i in range(size)]
+            for row, pivot in zip(held, columns, strict=False):
+                motion[pivot] = -row[column]
+            found.append(motion)
+        return found
 
 
-def _plus(one: Affine, *others: tuple[Fraction, Affine]) -> Affine:
-    """The sum of a quantity and of multiples of others."""
-    total = list(one)
-    for factor, other in others:
+def _sum(*parts: tuple[Fraction, Affine]) -> Affine:
+    """A sum of quantities, each with its factor."""
+    total = [Fraction(0)] * len(parts[0][1])
+    for factor, other in parts:
         if factor:
             for i, value in enumerate(other):
                 if value:
@@ -298,96 +401,68 @@ def _plus(one: Affine, *others: tuple[Fraction, Affine]) -> Affine:
     return total
 
 
+def _dot(one: Sequence[Fraction], other: Sequence[Fraction]) -> Fraction:
+    """The sum of the products of two rows."""
+    return sum((a * b for a, b in zip(one, other, strict=True) if a and b), Fraction(0))
+
+
 def _value(quantity: Affine, values: Sequence[Fraction]) -> Fraction:
     """A quantity for values of the unknowns."""
-    return sum((a * v for a, v in zip(quantity, values, strict=False) if a and v), quantity[-1])
+    return _dot(quantity[:-1], values) + quantity[-1]
 
 
-Motion = tuple[Fraction, Fraction]
-"""A rigid motion: displacement of the root, m, and slope."""
+def _least(Q: list[Row], c: Row, ways: list[Row], room: Row) -> Row:
+    """The a, ``(d,)``, with a Q a / 2 + c a least among those that go no farther along each way than there is room.
+
+    With multipliers F_j, Q a + c plus the sum of F_j times way j is 0.
+    """
+    columns = [list(column) for column in zip(*ways, strict=True)] or [[] for _ in c]
+    rows = [[*row, *column, constant] for row, column, constant in zip(Q, columns, c, strict=True)]
+    none = [Fraction(0)] * len(ways)
+    rows += [[*(-part for part in way), *none, left] for way, left in zip(ways, room, strict=True)]
+    found = solve(rows, len(c))
+    assert not isinstance(found, NoSolution)
+    return list(found.free)
 
 
-def _free_motions(springs: list[_Spring], pressing: list[PlacedStop]) -> list[Motion]:
-    """A basis of the rigid motions that neither the springs nor the pressing stops resist: 0 to 2 of them."""
-    zero, one = Fraction(0), Fraction(1)
-    held = [(zero, one) if spring.slope else (one, Fraction(spring.x)) for spring in springs]
-    held += [(one, Fraction(stop.x)) for stop in pressing]
-    if not held:
-        return [(one, zero), (zero, one)]
-    a, b = held[0]
-    if any(a * d != b * c for c, d in held):
-        return []
-    return [(b, -a) if a else (one, zero)]
+def _combined(amounts: Row, motions: list[Motion]) -> Motion:
+    """A sum of motions, each with its amount."""
+    return _sum(*zip(amounts, motions, strict=True))
 
 
-def _moved(motion: Motion, stop: PlacedStop) -> Fraction:
-    """How far a rigid motion takes the beam towards a stop."""
-    return stop.sign * (motion[0] + motion[1] * Fraction(stop.x))
+def _nearest(beams: _Beams, shape: Polynomials, motions: list[Motion], waiting: list[PlacedStop]) -> Motion:
+    """The rigid motion among `motions` that the gaps allow, and after which the mean square of z is least."""
+    rigid = [beams.rigid(motion) for motion in motions]
+    amounts = _least(
+        [[beams.product(one, other) for other in rigid] for one in rigid],
+        [beams.product(shape, one) for one in rigid],
+        [[beams.way(motion, stop) for motion in motions] for stop in waiting],
+        [-beams.depth(shape, stop) for stop in waiting],
+    )
+    return _combined(amounts, motions)
 
 
-def _depth(shape: list[list[Fraction]], nodes: Sequence[float], stop: PlacedStop) -> Fraction:
-    """How far the beam is beyond a stop's gap, exactly."""
-    i = min(nodes.index(stop.x), len(shape) - 1)
-    h = Fraction(stop.x) - Fraction(nodes[i])
-    z = sum((c * h**n for n, c in enumerate(shape[i])), Fraction(0))
-    return stop.sign * z - Fraction(stop.gap)
-
-
-def _other_equilibria(motions: list[Motion], touching: list[PlacedStop], L: Fraction) -> str:
+def _other_equilibria(beams: _Beams, motions: list[Motion], touching: list[PlacedStop]) -> str:
     """The sentence that rigid motions among `motions` do not change the equilibrium; empty if stops allow none.
 
-    Motions that touching stops allow form a cone; unless it is 0 or everything, it has an edge, about a stop.
+    The motions that touching stops allow form a cone.  Those of them that lie nearest to each of `motions`, and to its
+    opposite, are all 0 if the cone is 0, and all multiples of one motion if the cone is a ray or a line.
     """
-    rays = list(motions)
-    if len(motions) == 2:
-        rays += [(Fraction(stop.x), Fraction(-1)) for stop in touching]
-    rays += [(-a, -b) for a, b in rays]
-    allowed = [ray for ray in rays if all(_moved(ray, stop) <= 0 for stop in touching)]
-    if not allowed:
+    ways = [[beams.way(motion, stop) for motion in motions] for stop in touching]
+    unit = [[Fraction(int(i == k)) for i in range(len(motions))] for k in range(len(motions))]
+    sides = [[sign * part for part in one] for one in unit for sign in (-1, 1)]
+    rays = [ray for side in sides if any(ray := _least(unit, side, ways, [Fraction(0)] * len(ways)))]
+    if not rays:
         return ""
-    (a, b), first = allowed[0], _of_size_one(allowed[0], L)
-    others = any(a * d != b * c for c, d in allowed)
-    return nothing_holds(*first, float(L), any(a * c + b * d < 0 for c, d in allowed), others)
+    ray, both_ways = rays[0], all(_dot(way, rays[0]) == 0 for way in ways)
+    others = any(_dot(ray, it) ** 2 != _dot(ray, ray) * _dot(it, it) for it in rays)
+    motion = _of_size_one(_combined(ray, motions), beams.line)
+    return nothing_holds(beams.line, motion, both_ways, others)
 
 
-def _of_size_one(motion: Sequence[Fraction], L: Fraction) -> tuple[float, float]:
-    """A rigid motion divided by its largest displacement at the ends, in numbers that floats hold."""
-    shift, turn = motion
-    most = max(abs(shift), abs(shift + turn * L))
-    return float(shift / most), float(turn / most)
-
-
-def _nearest(
-    shape: list[list[Fraction]], nodes: Sequence[float], motions: list[Motion], waiting: list[PlacedStop]
-) -> Motion:
-    """The rigid motion among `motions` that the gaps allow, and after which the mean square of z is least.
-
-    With amounts r of the motions and multipliers F_j, half of the derivative of the integral of z^2 by r_k, plus the
-    sum of F_j times the way of motion k towards stop j, is 0.
-    """
-    d = len(motions)
-    rows: list[list[Fraction]] = []
-    for motion in motions:
-        products = [_product([[a, b]], (nodes[0], nodes[-1]), motion) for a, b in motions]
-        rows.append([*products, *(_moved(motion, stop) for stop in waiting), _product(shape, nodes, motion)])
-    for stop in waiting:
-        none = [Fraction(0)] * len(waiting)
-        rows.append([*(-_moved(motion, stop) for motion in motions), *none, -_depth(shape, nodes, stop)])
-    found = solve(rows, d)
-    assert not isinstance(found, NoSolution)
-    return (
-        sum((r * motion[0] for r, motion in zip(found.free, motions, strict=True)), Fraction(0)),
-        sum((r * motion[1] for r, motion in zip(found.free, motions, strict=True)), Fraction(0)),
-    )
-
-
-def _product(shape: list[list[Fraction]], nodes: Sequence[float], motion: Motion) -> Fraction:
-    """The integral along the beam of a shape times a rigid motion."""
-    total = Fraction(0)
-    for (a, b), piece in zip(pairwise(nodes), shape, strict=True):
-        h, start = Fraction(b) - Fraction(a), motion[0] + motion[1] * Fraction(a)
-        total += sum(
-            (c * (start * h ** (n + 1) / (n + 1) + motion[1] * h ** (n + 2) / (n + 2)) for n, c in enumerate(piece)),
-            Fraction(0),
-        )
-    return total
+def _of_size_one(motion: Sequence[Fraction], line: Line) -> list[float]:
+    """A rigid motion divided by its largest displacement at the ends of beams, in numbers that floats hold."""
+    lengths = (Fraction(end) - Fraction(start) for start, end in zip(line.starts, line.ends, strict=True))
+    beams = zip(motion[::2], motion[1::2], lengths, strict=True)
+    most = max(max(abs(shift), abs(shift + turn * L)) for shift, turn, L in beams)
+    return [float(part / most) for part in motion]

@@ -24,65 +24,62 @@ converges for any convex problem that has a solution.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import cholesky, lu_factor, lu_solve, solve_triangular
+from scipy.linalg import lu_factor, lu_solve
 from scipy.optimize import nnls
 
 from fe_lapjoint.element_shape import ElementShape
-from fe_lapjoint.modes.assembly import Assembly
+from fe_lapjoint.resting_joint import UNDRIVEN, RestingJoint
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.equilibrium import (
     Equilibrium,
     EquilibriumErrors,
     RestingStart,
-    breaks_of,
     nothing_holds,
-    nothing_resists,
 )
-from lapjoint.errors import InputError, SolverError
+from lapjoint.errors import SolverError
 from lapjoint.problem import AtEquilibrium, FloatArray, Problem
 from lapjoint.problem.initial import InitialShape
-from lapjoint.problem.problem import require_one_beam, resting
 
 _ROUNDINGS = 10 * float(np.finfo(float).eps)
 """Relative error of an entry of the system, and of a residual: an entry takes some ten operations, a row has some ten
 entries."""
-_HELD = 1e-13
-"""Springs that resist a rigid motion of unit size by less than this do not resist it."""
 _PARALLEL = 1e-9
-"""Largest difference of 1 and the product of two unit vectors that count as one direction."""
-_UNDRIVEN = 1e-12
-"""Work of the loads on a rigid motion, divided by the sum of their moduli, that is rounding."""
+"""Largest difference of 1 and the product of two unit vectors that count as one direction; length of one that counts as
+0, and of the way towards a stop of a motion of unit size that goes past it."""
+_TO_ENDS = np.array([[1 + math.sqrt(3), 1 - math.sqrt(3)], [1 - math.sqrt(3), 1 + math.sqrt(3)]]) / 2
+"""From values of a straight line at Gauss' two points of an element to those at its ends."""
 _STEPS = 20
 """Most proximal steps; after them kappa is 1e-19 EI / L^3, less than the softest support."""
 
 
 def equilibrium(problem: Problem) -> Equilibrium:
     """The static equilibrium of a problem; an InputError if there is none."""
-    require_one_beam(problem, "equilibria are computed")
-    joint = _Joint(problem)
+    joint = RestingJoint(problem)
     joint.check_resisted()
     found = _pressed(joint)
-    (contacts, errors), supports = found.stop_forces, [found.support_forces(order) for order in range(2)]
-    kept = contacts > errors
-    shape = joint.shape(found)
+    (contacts, errors), (forces, moments) = found.stop_forces, (found.held(order) for order in range(2))
+    kept, supports = contacts > errors, len(problem.structure.supports)
     return Equilibrium(
         problem=problem,
-        solver=f"FE (static, {joint.assembly.nodes.size - 1} elements)",
+        solver=f"FE (static, {joint.elements.size} elements)",
         state=ContactState(tuple(np.flatnonzero(kept).tolist())),
         contact_forces=np.where(kept, contacts, 0.0),
-        support_forces=supports[0][0],
-        support_moments=supports[1][0],
-        shape=shape,
+        support_forces=forces[0][:supports],
+        support_moments=moments[0][:supports],
+        link_forces=forces[0][supports:],
+        link_moments=moments[0][supports:],
+        shape=found.shape,
         errors=EquilibriumErrors(
-            *joint.field_errors(found, shape),
+            *found.field_errors(),
             contact_forces=errors,
-            support_forces=supports[0][1],
-            support_moments=supports[1][1],
+            support_forces=forces[1][:supports],
+            support_moments=moments[1][:supports],
+            link_forces=forces[1][supports:],
+            link_moments=moments[1][supports:],
         ),
         error_source="bound of the rounding errors of the linear system",
         other_equilibria=_other_equilibria(found),
@@ -100,148 +97,11 @@ def _resting(problem: Problem) -> RestingStart:
     return RestingStart(equilibrium(problem))
 
 
-class _Joint:
-    """The beam on a mesh without supports, its loads, and its springs as rows, in units of L and EI."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem, self.L, self.EI = problem, problem.line.length, problem.line.EI
-        self.assembly = Assembly(resting(replace(problem.structure, supports=())), np.array(breaks_of(problem)))
-        self.B = self.assembly.curvature * math.sqrt(self.L**3 / self.EI)
-        loads = [force.force * self.assembly.load(force.shape) for force in problem.forces.constant]
-        none = np.zeros(self.B.shape[1])
-        self.f = sum(loads, none) * self.L**2 / self.EI
-        self.size_of_f = sum((np.abs(load) for load in loads), none) * self.L**2 / self.EI
-        self.sign = np.array([stop.sign for stop in problem.structure.stops], dtype=float)
-        self.gap = np.array([stop.gap for stop in problem.structure.stops], dtype=float) / self.L
-        self.stops = self.sign[:, None] * self.assembly.stop_rows
-        self.k = np.array([stop.stiffness for stop in problem.structure.stops], dtype=float) * self.L**3 / self.EI
-        held = list(self._supports())
-        self.held = [place for place, _, _ in held]
-        """The support and the derivative, 0 or 1, of each spring that always acts."""
-        self.rows = np.array([row for _, row, _ in held]).reshape(len(held), none.size)
-        self.stiffness = np.array([k for _, _, k in held], dtype=float)
-
-    def _supports(self) -> Iterator[tuple[tuple[int, int], FloatArray, float]]:
-        """Support and derivative, row and stiffness in units of the beam, of each spring of the supports."""
-        for i, support in enumerate(self.problem.structure.supports):
-            if support.translational:
-                yield (i, 0), self.assembly.reading(support.x), support.translational * self.L**3 / self.EI
-            if support.torsional:
-                yield (i, 1), self.assembly.reading(support.x, 1), support.torsional * self.L / self.EI
-
-    @cached_property
-    def rigid(self) -> FloatArray:
-        """Translation by L, and rotation by 1 about the root, as columns, shape ``(n, 2)``."""
-        nodes = self.assembly.nodes
-        return np.column_stack([np.tile([1.0, 0.0], nodes.size), np.column_stack([nodes / self.L, nodes**0]).ravel()])
-
-    def unresisted(self, pressing: tuple[int, ...] = ()) -> FloatArray:
-        """Rigid motions, as rows of translation over L and rotation, that supports and stops leave: ``(0 to 2, 2)``."""
-        rows = np.vstack([self.rows, self.stops[list(pressing)]]) @ self.rigid
-        _, size, directions = np.linalg.svd(np.vstack([rows, np.zeros((2, 2))]))
-        return np.asarray(directions[size <= _HELD])
-
-    def check_resisted(self) -> None:
-        """Raise an InputError if the loads drive a rigid motion that supports and stops do not resist.
-
-        The work of the loads on the rigid motions that supports leave must be that of stops which push: a problem of
-        least squares, whose residual is such a motion.
-        """
-        free = self.unresisted()
-        if not free.shape[0]:
-            return
-        motions = self.rigid @ free.T
-        work = motions.T @ self.f
-        size = float(np.abs(motions).T @ self.size_of_f @ np.ones(free.shape[0]))
-        push = (self.stops @ motions).T
-        left = work - push @ nnls(push, work)[0] if push.size else work
-        if float(np.abs(left).max()) > _UNDRIVEN * size:
-            shift, turn = left @ free
-            raise InputError(nothing_resists(shift * self.L, turn, self.L))
-
-    def shape(self, found: _Solution) -> ElementShape:
-        """The deflection, with moments from sigma, and shear forces as sums of all forces from the root on."""
-        nodes, u = self.assembly.nodes, found.u.reshape(-1, 2)
-        moment, (acting, _) = self._to_ends @ self._moments(found.sigma), self._acting(found)
-        along = np.concatenate([[0.0], np.cumsum(self._q * np.diff(nodes))[:-1]])
-        shear = np.cumsum(acting)[:-1] + along
-        return ElementShape(nodes, u[:, 0] * self.L, u[:, 1].copy(), moment, shear, self._EI, self._q)
-
-    def _acting(self, found: _Solution) -> tuple[FloatArray, FloatArray]:
-        """The force at each node, N, and a bound of its error, ``(e + 1,)`` each."""
-        total, error = np.zeros(self.assembly.nodes.size), np.zeros(self.assembly.nodes.size)
-        for load in self.problem.forces.constant:
-            for x, force in load.shape.points:
-                total[self.assembly.node(x)] += force * load.force
-                error[self.assembly.node(x)] += _ROUNDINGS * abs(force * load.force)
-        (held, doubts), (pressed, others) = found.support_forces(0), found.stop_forces
-        places = [
-            *(support.x for support in self.problem.structure.supports),
-            *(stop.x for stop in self.problem.structure.stops),
-        ]
-        forces = zip(places, [*held, *(-self.sign * pressed)], [*doubts, *others], strict=True)
-        for x, force, doubt in forces:
-            total[self.assembly.node(x)] += force
-            error[self.assembly.node(x)] += doubt
-        return total, error
-
-    def _moments(self, sigma: FloatArray) -> FloatArray:
-        """Moments at the two points of each element, N m, ``(2, e)``, from sigma, ``(2 e,)``."""
-        h = np.diff(self.assembly.nodes)
-        unit = math.sqrt(self.EI / self.L) * np.sqrt(self._EI / (h / 2))
-        return sigma.reshape(-1, 2).T * unit
-
-    @cached_property
-    def _to_ends(self) -> FloatArray:
-        """From values of a straight line at Gauss' two points to those at the ends, shape ``(2, 2)``."""
-        r = math.sqrt(3)
-        return np.array([[1 + r, 1 - r], [1 - r, 1 + r]]) / 2
-
-    @cached_property
-    def _middle(self) -> FloatArray:
-        return (self.assembly.nodes[:-1] + self.assembly.nodes[1:]) / 2
-
-    @cached_property
-    def _EI(self) -> FloatArray:
-        return self.problem.line.EI_at(self._middle)
-
-    @cached_property
-    def _q(self) -> FloatArray:
-        """The constant load of each element, N/m, ``(e,)``."""
-        found = np.zeros(self._middle.size)
-        for load in self.problem.forces.constant:
-            for start, end, force in load.shape.pieces:
-                found[(self._middle > start) & (self._middle < end)] += force * load.force
-        return found
-
-    def field_errors(self, found: _Solution, shape: ElementShape) -> tuple[float, float, float, float]:
-        """Errors of z, m, z', M, N m, and V, N, along the beam, from those of the nodes and of the moments.
-
-        Along an element z' errs by as much as at its start, and by the integral of the error of the curvature; z by
-        that of z', integrated.
-        """
-        h, (z, slope) = np.diff(self.assembly.nodes), found.error_of_u.reshape(-1, 2).T
-        acting, doubt = self._acting(found)
-        moment = (np.abs(self._to_ends) @ self._moments(found.error_of_sigma)).max(axis=0)
-        own = np.abs(self._q) * h**2 / 12 + np.abs(shape.moment).max(axis=0)
-        moment = moment + _ROUNDINGS * own
-        of_slope = slope[:-1] + h * moment / self._EI
-        of_z = z[:-1] * self.L + h * of_slope
-        size = np.abs(shape.z).max() + float((h * np.abs(shape.slope[:-1])).max())
-        straight = (np.abs(shape.z[1:]) + np.abs(shape.z[:-1])) / h + np.abs(shape.slope[1:]) + np.abs(shape.slope[:-1])
-        return (
-            float(of_z.max() + _ROUNDINGS * size),
-            float((of_slope + _ROUNDINGS * straight).max()),
-            float(moment.max()),
-            float(doubt.sum() + _ROUNDINGS * (np.abs(acting).sum() + np.abs(self._q) @ h)),
-        )
-
-
 @dataclass(frozen=True)
 class _Solution:
     """The answer of the linear system with a set of stops as springs, in units of L and EI."""
 
-    joint: _Joint
+    joint: RestingJoint
     pressing: tuple[int, ...]
     values: FloatArray
     errors: FloatArray
@@ -285,18 +145,79 @@ class _Solution:
             errors[j] = self._springs(self.errors)[row] * unit
         return found, errors
 
-    def support_forces(self, derivative: int) -> tuple[FloatArray, FloatArray]:
-        """The forces, N, or couples, N m, of the supports on the beam, and their errors, ``(supports,)`` each."""
-        unit = self.joint.EI / self.joint.L ** (2 - derivative)
-        found, errors = (
-            np.zeros(len(self.joint.problem.structure.supports)),
-            np.zeros(len(self.joint.problem.structure.supports)),
-        )
-        for row, (support, order) in enumerate(self.joint.held):
+    def held(self, derivative: int) -> tuple[FloatArray, FloatArray]:
+        """The forces, N, or couples, N m, of supports and links on what they read with +1, and their errors,
+        ``(parts,)`` each."""
+        unit, parts = self.joint.EI / self.joint.L ** (2 - derivative), len(self.joint.parts)
+        found, errors = np.zeros(parts), np.zeros(parts)
+        for row, (part, order) in enumerate(self.joint.held):
             if order == derivative:
-                found[support] = -self._springs(self.values)[row] * unit
-                errors[support] = self._springs(self.errors)[row] * unit
+                found[part] = -self._springs(self.values)[row] * unit
+                errors[part] = self._springs(self.errors)[row] * unit
         return found, errors
+
+    @cached_property
+    def shape(self) -> ElementShape:
+        """The deflection, with moments from sigma, and shear forces as sums of all forces from each left end on."""
+        joint = self.joint
+        nodes, u, line = joint.assembly.nodes, self.u.reshape(-1, 2), joint.problem.line
+        (acting, _), moment, shear = self._acting, np.zeros((2, nodes.size - 1)), np.zeros(nodes.size - 1)
+        moment[:, joint.elements] = _TO_ENDS @ self._moments(self.sigma)
+        for start, end in zip(line.starts, line.ends, strict=True):
+            own = slice(joint.assembly.node(start), joint.assembly.node(end))
+            along = np.cumsum(joint.q[own] * np.diff(nodes)[own])
+            shear[own] = np.cumsum(acting[own]) + np.concatenate([[0.0], along[:-1]])
+        return ElementShape(nodes, u[:, 0] * joint.L, u[:, 1].copy(), moment, shear, joint.EI_of, joint.q)
+
+    @cached_property
+    def _acting(self) -> tuple[FloatArray, FloatArray]:
+        """The force at each node, N, and a bound of its error, ``(e + 1,)`` each."""
+        joint = self.joint
+        total, error = np.zeros(joint.assembly.nodes.size), np.zeros(joint.assembly.nodes.size)
+        for load in joint.problem.forces.constant:
+            for x, force in load.shape.points:
+                total[joint.assembly.node(x)] += force * load.force
+                error[joint.assembly.node(x)] += _ROUNDINGS * abs(force * load.force)
+        (held, doubts), (pressed, others) = self.held(0), self.stop_forces
+        readings = [*joint.parts, *(stop.reading for stop in joint.problem.structure.stops)]
+        forces = zip(readings, [*held, *(-joint.sign * pressed)], [*doubts, *others], strict=True)
+        for reading, force, doubt in forces:
+            for x, factor in reading:
+                total[joint.assembly.node(x)] += factor * force
+                error[joint.assembly.node(x)] += doubt
+        return total, error
+
+    def _moments(self, sigma: FloatArray) -> FloatArray:
+        """Moments at the two points of each element, N m, ``(2, e)``, from sigma, ``(2 e,)``."""
+        joint = self.joint
+        h, EI = joint.assembly.element_lengths, joint.EI_of[joint.elements]
+        unit = math.sqrt(joint.EI / joint.L) * np.sqrt(EI / (h / 2))
+        return sigma.reshape(-1, 2).T * unit
+
+    def field_errors(self) -> tuple[float, float, float, float]:
+        """Errors of z, m, z', M, N m, and V, N, along the beam, from those of the nodes and of the moments.
+
+        Along an element z' errs by as much as at its start, and by the integral of the error of the curvature; z by
+        that of z', integrated.
+        """
+        joint, shape = self.joint, self.shape
+        e, h, (z, slope) = joint.elements, joint.assembly.element_lengths, self.error_of_u.reshape(-1, 2).T
+        acting, doubt = self._acting
+        moment = (np.abs(_TO_ENDS) @ self._moments(self.error_of_sigma)).max(axis=0)
+        own = np.abs(joint.q[e]) * h**2 / 12 + np.abs(shape.moment[:, e]).max(axis=0)
+        moment = moment + _ROUNDINGS * own
+        of_slope = slope[e] + h * moment / joint.EI_of[e]
+        of_z = z[e] * joint.L + h * of_slope
+        size = np.abs(shape.z).max() + float((h * np.abs(shape.slope[e])).max())
+        straight = (
+            (np.abs(shape.z[e + 1]) + np.abs(shape.z[e])) / h + np.abs(shape.slope[e + 1]) + np.abs(shape.slope[e])
+        )
+        return (
+            float(of_z.max() + _ROUNDINGS * size),
+            float((of_slope + _ROUNDINGS * straight).max()),
+            float(moment.max()),
+            float(doubt.sum() + _ROUNDINGS * (np.abs(acting).sum() + np.abs(joint.q[e]) @ h)),
+        )
 
     @property
     def others(self) -> list[int]:
@@ -314,7 +235,7 @@ class _Solution:
         """Whether the stops that act as springs press, no other is reached, and no motion left out is driven, within
         the errors."""
         first = len(self.joint.held) + len(self.pressing)
-        doubt = self._springs(self.errors)[first:] + _UNDRIVEN * self.joint.size_of_f.sum()
+        doubt = self._springs(self.errors)[first:] + UNDRIVEN * self.joint.size_of_f.sum()
         driven = np.abs(self._springs(self.values)[first:]) > doubt
         reached = (self.depth > self.error_of_depth)[self.others]
         return not (self.touching or reached.any() or driven.any())
@@ -323,18 +244,18 @@ class _Solution:
 class _System:
     """The linear system of a joint with some stops as springs, and perhaps with proximal springs at its ends.
 
-    Proximal springs have the stiffness kappa, in units of the beam.  Without them, rigid motions that nothing resists
-    are left out.
+    Proximal springs at the ends of all beams have the stiffness kappa, in units of L and EI.  Without them, rigid
+    motions that nothing resists are left out.
     """
 
-    def __init__(self, joint: _Joint, pressing: tuple[int, ...], kappa: float = 0.0) -> None:
+    def __init__(self, joint: RestingJoint, pressing: tuple[int, ...], kappa: float = 0.0) -> None:
         self.joint, self.pressing = joint, pressing
-        free = np.zeros((0, 2)) if kappa else joint.unresisted(pressing)
-        tips = joint.assembly.shapes(np.array([0.0, joint.L]), 0)[: 2 if kappa else 0]
+        free = joint.unresisted(pressing)[: 0 if kappa else None]
+        tips = joint.tips[: None if kappa else 0]
         N = np.vstack([joint.rows, joint.stops[list(pressing)], tips, free @ joint.rigid.T])
         stiff = joint.stiffness, joint.k[list(pressing)], np.full(len(tips), kappa), np.full(len(free), math.inf)
         k = np.concatenate(stiff)
-        self.scale = np.minimum(1.0, k)
+        self.k, self.scale = k, np.minimum(1.0, k)
         (gauss, n), s = joint.B.shape, k.size
         A = np.zeros((gauss + n + s, gauss + n + s))
         A[:gauss, :gauss], A[:gauss, gauss : gauss + n] = np.eye(gauss), -joint.B
@@ -381,9 +302,9 @@ class _System:
 _NO_ENDS = np.zeros(0)
 
 
-def _pressed(joint: _Joint) -> _Solution:
+def _pressed(joint: RestingJoint) -> _Solution:
     """The equilibrium, by proximal steps; see the module's head.  Stops that only touch are left out."""
-    ends, kappa = np.zeros(2), 1.0
+    ends, kappa = np.zeros(len(joint.tips)), 1.0
     for _ in range(_STEPS):
         ends, pressing = _step(joint, kappa, ends)
         found = _straightest(_System(joint, pressing).solution(_NO_ENDS))
@@ -396,26 +317,27 @@ def _pressed(joint: _Joint) -> _Solution:
     raise SolverError("equilibrium: rounding hides which stops press; the stops, or the loads, are too unequal in size")
 
 
-def _step(joint: _Joint, kappa: float, ends: FloatArray) -> tuple[FloatArray, tuple[int, ...]]:
-    """One proximal step from displacements of the ends, over L, ``(2,)``: their new ones, and the pressing stops.
+def _step(joint: RestingJoint, kappa: float, ends: FloatArray) -> tuple[FloatArray, tuple[int, ...]]:
+    """One proximal step from displacements of the ends, over L, ``(2 beams,)``: their new ones, and the pressing stops.
 
-    With reach r of the unstopped beam and flexibility C of the beam and the stops, the forces F >= 0 of the stops make
-    F C F / 2 - (r - gap) F least.
+    The forces F >= 0 of the stops make the complementary energy least, which is half of |A F - t|^2 but for a constant:
+    rows of A are the weighted curvatures under unit forces of the stops, the forces of the springs over sqrt(k), and
+    1 / sqrt(k) of the stops themselves; t has those of the loads, and -sqrt(k) gap of the stops.
     """
     loose = _System(joint, (), kappa)
-    u = slice(joint.B.shape[0], sum(joint.B.shape))
-    reach = joint.stops @ loose.solve(joint.f, loose.gaps(ends))[u] - joint.gap
+    gauss, (first, last) = slice(joint.B.shape[0]), (joint.B.shape[0], sum(joint.B.shape))
     pressing: tuple[int, ...] = ()
     if joint.k.size:
-        bent = loose.solve(joint.stops.T, np.zeros((loose.scale.size, joint.k.size)))[u]
-        flexibility = joint.stops @ bent + np.diag(1 / joint.k)
-        scale = 1 / np.sqrt(np.diag(flexibility))
-        factor = cholesky((flexibility + flexibility.T) / 2 * np.outer(scale, scale), lower=True)
-        forces, _ = nnls(factor.T, solve_triangular(factor, scale * reach, lower=True))
+        gaps, stiff = loose.gaps(ends), np.where(np.isinf(loose.k), 0.0, np.sqrt(loose.k))
+        soft, bent = 1 / np.sqrt(loose.k), loose.solve(joint.stops.T, np.zeros((loose.k.size, joint.k.size)))
+        free, own = loose.solve(joint.f, gaps), np.sqrt(joint.k)
+        A = np.vstack([bent[gauss], soft[:, None] * bent[last:], np.diag(1 / own)])
+        t = np.concatenate([free[gauss], soft * free[last:] + stiff * gaps, -own * joint.gap])
+        forces, _ = nnls(A / np.linalg.norm(A, axis=0), t)
         pressing = tuple(np.flatnonzero(forces).tolist())
     pressed = _System(joint, pressing, kappa)
-    z = pressed.solve(joint.f, pressed.gaps(ends))[u]
-    return joint.assembly.shapes(np.array([0.0, joint.L]), 0) @ z, pressing
+    z = pressed.solve(joint.f, pressed.gaps(ends))[first:last]
+    return joint.tips @ z, pressing
 
 
 def _straightest(found: _Solution) -> _Solution:
@@ -427,13 +349,13 @@ def _straightest(found: _Solution) -> _Solution:
     joint, free = found.joint, found.joint.unresisted(found.pressing)
     if not free.shape[0]:
         return found
-    x, w = _quadrature(joint.assembly.nodes / joint.L)
-    motions = free @ np.array([np.ones_like(x), x]) * np.sqrt(w)
-    z = joint.shape(found)(x * joint.L) / joint.L * np.sqrt(w)
+    x, w = joint.quadrature
+    motions = free @ joint.rigid.T @ joint.assembly.shapes(x, 0).T * np.sqrt(w)
+    z = found.shape(x) / joint.L * np.sqrt(w)
     triangle = np.linalg.qr(motions.T)[1]
     wanted = -np.linalg.lstsq(motions.T, z, rcond=None)[0]
     others = found.others
-    push = joint.stops[others] @ joint.rigid @ free.T
+    push = joint.ways(others, free)
     beyond = found.depth[others] + push @ wanted
     amount = wanted + np.linalg.solve(triangle, _least_distance(-np.linalg.solve(triangle.T, push.T).T, beyond))
     moved, values, errors = joint.rigid @ (amount @ free), found.values.copy(), found.errors.copy()
@@ -448,7 +370,7 @@ def _straightest(found: _Solution) -> _Solution:
 
 
 def _least_distance(G: FloatArray, h: FloatArray) -> FloatArray:
-    """The shortest y, ``(d,)``, with G y >= h, for G of shape ``(c, d)``; one exists."""
+    """The shortest y, ``(d,)``, with G y >= h, for G of shape ``(c, d)``; 0 where none exists."""
     if not np.any(h > 0):
         return np.zeros(G.shape[1])
     size = float(np.abs(h).max())
@@ -456,29 +378,24 @@ def _least_distance(G: FloatArray, h: FloatArray) -> FloatArray:
     target = np.zeros(E.shape[0])
     target[-1] = 1.0
     r = E @ nnls(E, target)[0] - target
-    return np.asarray(-r[:-1] / r[-1] * size)
-
-
-def _quadrature(nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positions and weights that integrate the square of a quartic in each element, ``(5 e,)`` each."""
-    x, w = np.polynomial.legendre.leggauss(5)
-    half = np.diff(nodes)[:, None] / 2
-    return ((nodes[:-1, None] + half) + half * x).ravel(), (half * w).ravel()
+    return np.asarray(-r[:-1] / r[-1] * size) if -r[-1] > _ROUNDINGS else np.zeros(G.shape[1])
 
 
 def _other_equilibria(found: _Solution) -> str:
     """The sentence that rigid motions do not change the equilibrium, or nothing.
 
-    The motions that the touching stops allow are a cone, whose edges are at right angles to the way towards a stop.
+    The motions that the touching stops allow are a cone.  What is left of a motion when as much as possible of it is
+    taken by pushes of the touching stops, a problem of least squares, is the motion nearest to it in the cone; these
+    are all 0 if the cone is, and all multiples of one motion if the cone is a ray or a line.
     """
     joint, free = found.joint, found.joint.unresisted(found.pressing)
     touching = [j for j in found.others if found.depth[j] >= -found.error_of_depth[j]]
-    push, d = joint.stops[touching] @ joint.rigid @ free.T, free.shape[0]
-    rays = [*np.eye(d), *(np.array([-row[1], row[0]]) / np.hypot(*row) for row in push if d == 2)]
-    allowed = [ray for ray in (*rays, *(-ray for ray in rays)) if np.all(push @ ray <= _HELD)]
-    if not allowed:
+    push, d = joint.ways(touching, free), free.shape[0]
+    nearest = [side - push.T @ nnls(push.T, side)[0] if touching else side for side in (*np.eye(d), *-np.eye(d))]
+    rays = [ray / np.linalg.norm(ray) for ray in nearest if np.linalg.norm(ray) > _PARALLEL]
+    if not rays:
         return ""
-    shift, turn = allowed[0] @ free
-    along = [float(ray @ allowed[0]) for ray in allowed]
-    others = any(abs(abs(product) - 1) > _PARALLEL for product in along)
-    return nothing_holds(shift * joint.L, turn, joint.L, min(along) < 0, others)
+    ray = rays[0]
+    others = any(abs(abs(float(ray @ other)) - 1) > _PARALLEL for other in rays)
+    both_ways = bool(np.all(np.abs(push @ ray) <= _PARALLEL))
+    return nothing_holds(joint.problem.line, joint.motion(ray @ free).tolist(), both_ways, others)

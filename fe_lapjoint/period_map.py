@@ -181,9 +181,9 @@ class PeriodMap:
     def moved(self, origin: SectionPoint, deviation: FloatArray) -> SectionPoint:
         """The point moved by a deviation, stops open or closed by their gaps.  See
         `lapjoint.orbits.PeriodMap.moved`."""
-        coordinates = origin.coordinates.copy()
-        coordinates[:, self.model.assembly.free] += deviation.reshape(2, -1) @ self.model.system(FREE).vectors.T
-        return self._settled(SectionPoint(origin.state, coordinates, origin.nodes))
+        assembly = self.model.assembly
+        moved = origin.coordinates[:, assembly.free] + deviation.reshape(2, -1) @ self.model.system(FREE).vectors.T
+        return self._settled(SectionPoint(origin.state, assembly.full(moved), origin.nodes))
 
     def mirrored(self, point: SectionPoint) -> SectionPoint:
         """The mirror image, with every stop exchanged for its twin. See `lapjoint.orbits.PeriodMap.mirrored`."""
@@ -198,12 +198,11 @@ class PeriodMap:
         if not np.array_equal(nodes, assembly.nodes):
             if abs(nodes[-1] - assembly.nodes[-1]) > 1e-9 * assembly.nodes[-1]:
                 raise InputError("start: is a section point of a beam of another length")
-            other = Assembly(resting(replace(self.problem.structure, supports=(), stops=())), nodes)
+            other = Assembly(resting(replace(self.problem.structure, supports=(), stops=(), links=())), nodes)
             x, L = np.minimum(assembly.nodes, nodes[-1]), self.problem.line.length
             values = np.stack([coordinates @ other.shapes(x, 0).T, L * (coordinates @ other.shapes(x, 1).T)], axis=2)
             coordinates = values.reshape(2, -1)
-        full = np.zeros_like(coordinates)
-        full[:, assembly.free] = coordinates[:, assembly.free]
+        full = assembly.full(coordinates[:, assembly.free])
         return self._settled(SectionPoint(point.state, full, assembly.nodes))
 
     def linearised(self, start: SectionPoint, half_periods: int) -> Linearised:

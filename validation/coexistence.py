@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lapjoint import Outcome, Problem, SteadyState, initial_from_functions
-from lapjoint.problem import FloatArray
+from lapjoint.problem import BeamsStart, BeamStart, FloatArray
 from lapjoint.solver import Solver
 
 SAME = 1e-2
@@ -20,6 +20,10 @@ SAME = 1e-2
 CRITICAL = 5e-2
 """Distance of the leading multiplier's modulus from one within which the error of either solver may decide on
 stability."""
+
+
+_SAMPLES = 401
+"""Number of positions on each of several beams at which a motion is handed over: as many as on one beam."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,16 @@ def started_from(problem: Problem, found: SteadyState) -> Problem:
     def velocity(x: FloatArray) -> FloatArray:
         return np.asarray(history.velocity(x, history.start)[:, 0])
 
-    return problem.replace(initial=initial_from_functions(problem.line.length, displacement, velocity))
+    line = problem.line
+    if not line.several:
+        return problem.replace(initial=initial_from_functions(line.length, displacement, velocity))
+    beams = []
+    for name, start, beam in zip(line.names, line.starts, line.beams, strict=True):
+        x = np.linspace(0.0, beam.length, _SAMPLES)
+        on = np.minimum(start + x, start + beam.length)
+        z, v = (tuple(np.asarray(f(on)).tolist()) for f in (displacement, velocity))
+        beams.append(BeamStart(beam=name, x=tuple(x.tolist()), displacement=z, velocity=v))
+    return problem.replace(initial=BeamsStart(beams=tuple(beams)))
 
 
 def why_they_differ(problem: Problem, one: Motion, other: Motion) -> str:

@@ -7,7 +7,8 @@ of one problem.  `motion` holds where a march is; `terms`, `gap_function`, `step
 are the part for sampled loads.
 `arcs` follows a motion with a given contact sequence, whatever the gaps do, with `mean_rates` for its equations.
 `coordinates` says where a motion is; `march`, `periods`, `tangent`, `growth` and `gap_view` are what Python calls;
-`field` and `contacts` make a History of it; `initial_state` gives states to start from.
+`field` and `contacts` make a History of it, with `energies` lost in damped stops; `initial_state` gives states to start
+from.
 """
 
 from analytic.march.coordinates import Coordinates

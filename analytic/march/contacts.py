@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from analytic.march.coupled import damped_rows
+from analytic.march.energies import energies_of
 from analytic.march.joint import Joint
 from analytic.march.motion import Log
 from analytic.march.tables import BoolArray, IntArray
@@ -12,9 +16,15 @@ from lapjoint.compiled.arrays import bool_zeros, int_zeros, zeros
 from lapjoint.compiled.compiling import njit_called
 from lapjoint.problem import FloatArray
 
+_LEAST_SHARP = 1e-9
+"""Rounding of an energy, relative to it, beyond which it is left to quadrature, which keeps about as many digits."""
+
 
 def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
-    """All contacts, by start time, of a motion that was marched with ``depth=True``, which records penetrations."""
+    """All contacts, by start time, of a motion that was marched with ``depth=True``, which records penetrations.
+
+    Energies are the integrals of F d', or not a number where there is no closed form that keeps its digits.
+    """
     stops, closed = joint.problem.structure.stops, joint.tables.closed[log.slot[0]]
     switched, areas, depths = log.stop, log.area, log.deepest
     if joint.damped:
@@ -26,7 +36,26 @@ def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     impulse = np.array([it.sign * it.stiffness for it in stops])[stop] * area
     order = np.lexsort((stop, start))
     columns = (stop, start, end, impulse, stiffness[stop] * deepest, open_at[:, 0], open_at[:, 1])
-    return tuple(map(Contact, *(column[order].tolist() for column in columns)))
+    found = tuple(map(Contact, *(column[order].tolist() for column in columns)))
+    if not joint.damped:
+        return found
+    lost = stiffness[stop] * _energies(joint, log, closed, switched)
+    return tuple(replace(it, dissipated=one) for it, one in zip(found, lost[order].tolist(), strict=True))
+
+
+def _energies(joint: Joint, log: Log, closed: BoolArray, switched: IntArray) -> FloatArray:
+    """The integral of F d' / k over each contact, m2, ``(C,)``, in the order of `find_contacts`.
+
+    It is not a number where sampled loads act, or rounding spoils it.
+    """
+    stops, damped = joint.problem.structure.stops, damped_rows(joint.problem)
+    delay = np.array([0.0] * len(stops) + [stops[k].damping / stops[k].stiffness for k in damped.tolist()])
+    energy, rounding = energies_of(joint.tables, log, delay)
+    if joint.sampled:
+        rounding[:, len(stops) :] = np.inf
+    parts = (np.ascontiguousarray(part[:, joint.force_rows]) for part in (energy, rounding))
+    _, _, _, total, most = find_contacts(closed, switched, *parts)
+    return np.where(most > _LEAST_SHARP * np.abs(total), np.nan, total)
 
 
 def _force_switches(joint: Joint, log: Log) -> IntArray:

@@ -21,7 +21,7 @@ from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.answers.dissipation import with_dissipation
+from lapjoint.answers.dissipation import with_dissipation, without_stored
 from lapjoint.problem import FloatArray
 
 _AT_ONCE = 2**20  # number of coordinates held at once, 8 MB for each time derivative
@@ -210,4 +210,6 @@ def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) ->
         field=field or ModalField(joint, log),
         highest_mode=max(float(joint.flat(state).omega[-1]) for state in states.values()),
     )
-    return with_dissipation(made, float(joint.tables.fastest.max())) if joint.damped else made
+    if not joint.damped:
+        return made
+    return with_dissipation(without_stored(made), float(joint.tables.fastest.max()))

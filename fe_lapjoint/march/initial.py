@@ -41,7 +41,7 @@ def initial_state(model: Model) -> ContactState:
     """
     initial, stops = start_of(model.problem), model.problem.structure.stops
     base, of_base = _base_motion(model, 0)
-    z = np.array([float(initial.displacement_at(np.array(it.x))) for it in stops]) + base
+    z = np.array([it.seen(initial.displacement_at) for it in stops]) + base
     gaps = model.sign * z - model.gap
     size = float(np.abs(initial.displacement_at(model.assembly.nodes)).max())
     pressing = {k for k in range(len(stops)) if isinstance(initial, RestingStart) and initial.pressed(k)}

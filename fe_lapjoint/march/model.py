@@ -53,8 +53,8 @@ class Model:
         """Whether viscous damping, or dampers of links, couple the modes of all states."""
         if self.drags and self.problem.forces.ramps is not None:
             raise InputError(
-                "damping: dampers of links, and viscous damping with masses or inertia that changes, couple the modes; the "
-                "finite element solver takes them with harmonic and constant forces, and not records or random motion"
+                "damping: dampers of links, and viscous damping with masses or inertia that changes, couple the modes; "
+                "the finite element solver takes harmonic and constant forces with them, no records or random motion"
             )
         if self.problem.forces.seen is not None:
             k = next(k for k, stop in enumerate(stops) if stop.in_space)

@@ -14,9 +14,7 @@ from lapjoint.problem import FloatArray, Problem
 def section_point(model: Model, state: ContactState, y: FloatArray) -> SectionPoint:
     """The section point of (q, q') in the modes of a contact state, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
     assembly = model.assembly
-    coordinates = np.zeros((2, 2 * assembly.nodes.size))
-    coordinates[:, assembly.free] = y.reshape(2, -1) @ model.system(state).vectors.T
-    return SectionPoint(state, coordinates, assembly.nodes)
+    return SectionPoint(state, assembly.full(y.reshape(2, -1) @ model.system(state).vectors.T), assembly.nodes)
 
 
 def coordinates_of(model: Model, point: SectionPoint) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The energy that damped stops take from the beam, by quadrature of the force law along the motion."""
+"""The energy that damped stops take from the beam, and the parts of a contact, by quadrature of the force law."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lapjoint.answers.history import History
+from lapjoint.answers.history import Contact, History
 from lapjoint.problem import FloatArray
 
 OF_ENERGY = 1
@@ -38,13 +38,13 @@ class Span(NamedTuple):
 
 
 def with_dissipation(history: History, fastest: float) -> History:
-    """The motion with the energy that is lost in each contact of a damped stop.
+    """The motion with the energy that is lost in each contact of a damped stop, where it is not a number yet.
 
     `fastest`, 1/s, is the largest rate at which a part of the motion decays or turns.
     """
     contacts = list(history.contacts)
     for stop, it in enumerate(history.problem.structure.stops):
-        which = [i for i, contact in enumerate(contacts) if contact.stop == stop]
+        which = [i for i, contact in enumerate(contacts) if contact.stop == stop and math.isnan(contact.dissipated)]
         if it.damping > 0 and which:
             spans = [Span(it.start, it.end, it.open_start, it.open_end) for it in (contacts[i] for i in which)]
             for i, lost in zip(which, energies_lost(history, stop, spans, fastest), strict=True):
@@ -68,6 +68,49 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
     This is the integral of F d', less what the spring stores at a cut end, with what it stores at a cut start.
     `fastest` is as in `with_dissipation`, by default the rate of the fastest mode.
     """
+    given = [float(course.prod(axis=0).sum()) for course in _courses(history, stop, spans, fastest)]
+    return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
+
+
+def parts_of(history: History, contact: Contact, times: Sequence[float]) -> list[Contact]:
+    """The parts of a contact between times within it, s, ascending; together they have its impulse and its energy.
+
+    The longest part has what the others leave.  Where the sampled force is largest, the peak is that of the contact;
+    elsewhere it is the largest force at the nodes of the quadrature and at the ends.
+    """
+    if not len(times):
+        return [contact]
+    spans = [
+        Span(a, b, a > contact.start or contact.open_start, b < contact.end or contact.open_end)
+        for a, b in pairwise([contact.start, *times, contact.end])
+    ]
+    it, courses = history.problem.stops[contact.stop], _courses(history, contact.stop, spans)
+    sign = history.problem.structure.stops[contact.stop].sign
+    impulse = [sign * float((weights * force).sum()) for weights, force, _ in courses]
+    lost = energies_lost(history, contact.stop, spans) if it.damping > 0 else [0.0] * len(spans)
+    at_ends = np.abs(history.contact_force(np.array([contact.start, *times, contact.end]))[contact.stop])
+    peak = [max(float(force.max()), *at_ends[i : i + 2]) for i, (_, force, _) in enumerate(courses)]
+    longest = max(range(len(spans)), key=lambda i: spans[i].end - spans[i].start)
+    impulse[longest] += contact.impulse - sum(impulse)
+    lost[longest] += contact.dissipated - sum(lost)
+    peak[int(np.argmax(peak))] = contact.peak_force
+    return [
+        replace(
+            contact,
+            start=span.start,
+            end=span.end,
+            open_start=span.cut_start,
+            open_end=span.cut_end,
+            impulse=impulse[i],
+            peak_force=min(peak[i], contact.peak_force),
+            dissipated=lost[i],
+        )
+        for i, span in enumerate(spans)
+    ]
+
+
+def _courses(history: History, stop: int, spans: Sequence[Span], fastest: float | None = None) -> list[FloatArray]:
+    """Weights, s, force, N, and rate of penetration, m/s, of a stop along each contact or part of one, each (3, n)."""
     it, turning = (
         history.problem.structure.stops[stop],
         max(history.highest_mode or 0.0, history.problem.forces.fastest),
@@ -85,15 +128,14 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
             weights.append((half * _WEIGHTS).ravel())
         times.append(np.concatenate(edges))
         sizes.append(times[-1].size)
-    t, rates = np.concatenate(times), []
+    t, forces, rates = np.concatenate(times), [], []
     for part in np.split(t, range(_AT_ONCE, t.size, _AT_ONCE)):
         within = np.clip(part, history.start, history.end)
         d, rate = (it.sign * history.seen_by_stops(within, dt)[stop] for dt in (0, 1))
-        force = it.stiffness * (d - it.gap) + it.damping * rate
-        rates.append((force if it.may_pull else np.maximum(force, 0.0)) * rate)
-    power = np.concatenate(weights) * np.concatenate(rates)
-    given = [float(part.sum()) for part in np.split(power, np.cumsum(sizes)[:-1])]
-    return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
+        forces.append(it.stiffness * (d - it.gap) + it.damping * rate)
+        rates.append(rate)
+    columns = np.array([np.concatenate(one) for one in (weights, forces, rates)])
+    return np.split(columns, np.cumsum(sizes)[:-1], axis=1)
 
 
 def _kept(history: History, stop: int, spans: Sequence[Span]) -> list[float]:

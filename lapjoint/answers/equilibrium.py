@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol
@@ -11,9 +12,13 @@ import numpy as np
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.shown import Shown
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.line import Line
 
+Places = FloatArray | float | str
+"""Positions on the line of beams, m; or one place as files state it, as ``upper:0.3``."""
 _NO_TURN = 1e-9
-"""Largest displacement by turning, as a fraction of that by shifting, of a rigid motion that is called a shift."""
+"""Largest displacement by turning, as a fraction of that by shifting, of a rigid motion that is called a shift; and
+of a beam, as a fraction of the largest, of one that is called still."""
 
 
 class StaticShape(Protocol):
@@ -22,12 +27,12 @@ class StaticShape(Protocol):
     def __call__(self, x: FloatArray, derivative: int = 0) -> FloatArray:
         """A derivative of z.
 
-        Where it jumps, the value is the one to the left (to the right at x = 0).
+        Where it jumps, the value is the one to the left (to the right at the left end of a beam).
 
         Parameters
         ----------
         x : FloatArray, shape (n,)
-            Positions, m, from 0 to L.
+            Positions on the line of beams, m.
         derivative : int
             Order of the x-derivative, 0 to 3.
 
@@ -56,14 +61,18 @@ class EquilibriumErrors:
     """Of the force of each support, N, shape ``(supports,)``."""
     support_moments: FloatArray
     """Of the couple of each support, N m, shape ``(supports,)``."""
+    link_forces: FloatArray
+    """Of the force of each link, N, shape ``(links,)``."""
+    link_moments: FloatArray
+    """Of the couple of each link, N m, shape ``(links,)``."""
 
 
 @dataclass(frozen=True)
 class Extreme:
-    """The largest magnitude of a quantity along the beam."""
+    """The largest magnitude of a quantity along the beams, or the quantity at the end of a beam."""
 
     x: float
-    """Where it is, m."""
+    """Where it is on the line of beams, m."""
     value: float
     """The quantity there, with its sign."""
     error: float
@@ -85,11 +94,15 @@ class Equilibrium(Shown):
     """The stops that press the beam."""
     contact_forces: FloatArray
     """Magnitude of the force of each stop, N, at least 0 on either side, shape ``(stops,)``; a top stop pushes the beam
-    down, a bottom stop up."""
+    down, a bottom stop up, a stop between two beams the first up and the second down."""
     support_forces: FloatArray
-    """Force of each support on the beam, N, positive upwards, shape ``(supports,)``."""
+    """Force of each support on the beam, N, positive upwards, shape ``(supports,)``; see `Structure.idle`."""
     support_moments: FloatArray
     """Couple of each support on the beam, N m, positive in the sense of a positive slope, shape ``(supports,)``."""
+    link_forces: FloatArray
+    """Force of each link on its second beam, N, positive upwards, shape ``(links,)``; that on the first is opposite."""
+    link_moments: FloatArray
+    """Couple of each link on its second beam, N m, positive in the sense of a positive slope, shape ``(links,)``."""
     shape: StaticShape
     """z(x), m, and its derivatives."""
     errors: EquilibriumErrors
@@ -107,54 +120,64 @@ class Equilibrium(Shown):
         """
         return not self.other_equilibria
 
-    def displacement(self, x: FloatArray | float) -> FloatArray:
+    def displacement(self, x: Places) -> FloatArray:
         """z(x), the displacement, m, positive upwards, shape (n,).  See `Equilibrium.evaluate`."""
         return self.evaluate(x)
 
-    def slope(self, x: FloatArray | float) -> FloatArray:
+    def slope(self, x: Places) -> FloatArray:
         """z_x(x), the slope, rad, shape (n,).  See `Equilibrium.evaluate`."""
         return self.evaluate(x, 1)
 
-    def moment(self, x: FloatArray | float) -> FloatArray:
+    def moment(self, x: Places) -> FloatArray:
         """EI z_xx, the bending moment, N m, shape (n,).  See `Equilibrium.evaluate`."""
-        return self.problem.line.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 2)
+        return self.problem.line.EI_at(self._at(x)) * self.evaluate(x, 2)
 
-    def shear(self, x: FloatArray | float) -> FloatArray:
+    def shear(self, x: Places) -> FloatArray:
         """EI z_xxx, the shear force, N, shape (n,).  See `Equilibrium.evaluate`."""
-        return self.problem.line.EI_at(np.atleast_1d(np.asarray(x, dtype=float))) * self.evaluate(x, 3)
+        return self.problem.line.EI_at(self._at(x)) * self.evaluate(x, 3)
 
-    def bending_stress(self, x: FloatArray | float) -> FloatArray:
+    def bending_stress(self, x: Places) -> FloatArray:
         """-E c z_xx, the bending stress at the top of the section, Pa, tension positive.  See `Equilibrium.evaluate`.
 
         The top lies c above the axis; the stress at the bottom is the opposite.  At a step of the beam it is the larger
         stress of both sides.  A beam without a section is an `InputError`.
         """
-        x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        return -self.problem.line.stress_per_moment_at(x_) * self.moment(x_)
+        return -self.problem.line.stress_per_moment_at(self._at(x)) * self.moment(x)
 
-    def evaluate(self, x: FloatArray | float, derivative: int = 0) -> FloatArray:
-        """Any derivative of z; where it jumps, the value is the one to the left (to the right at x = 0).
+    def evaluate(self, x: Places, derivative: int = 0) -> FloatArray:
+        """Any derivative of z; where it jumps, the value is the one to the left (to the right at a beam's left end).
 
         Parameters
         ----------
-        x : float or FloatArray, shape (n,)
-            Positions, m, from 0 to L.
+        x : float, str, or FloatArray, shape (n,)
+            Positions, m, from 0 to L; of several beams a place, as ``upper:0.3``, or positions on the line of beams, as
+            ``problem.line.at`` and ``problem.line.grid`` give them.
         derivative : int
             Order of the x-derivative, 0 to 3.
 
         Returns
         -------
         FloatArray, shape (n,)
-            The derivative, m^(1 - derivative); n = 1 for a single number.
+            The derivative, m^(1 - derivative); n = 1 for a single place.
 
         Raises
         ------
         ValueError
             If a position is outside the beam.
         """
-        x_ = np.atleast_1d(np.asarray(x, dtype=float))
-        self.problem.line.check(x_)
-        return self.shape(x_, derivative)
+        at = self._at(x)
+        self.problem.line.check(at)
+        return self.shape(at, derivative)
+
+    def _at(self, x: Places) -> FloatArray:
+        """Positions on the line, m, ``(n,)``."""
+        return np.atleast_1d(np.asarray(self.problem.line.at(x) if isinstance(x, str) else x, dtype=float))
+
+    @property
+    def tips(self) -> tuple[Extreme, ...]:
+        """The displacement, m, of the right end of each beam, with its place and its error."""
+        ends, z = self.problem.line.ends, self.displacement(np.array(self.problem.line.ends))
+        return tuple(Extreme(x, float(value), self.errors.displacement) for x, value in zip(ends, z, strict=True))
 
     def largest_moment(self) -> Extreme:
         """The bending moment, N m, of largest magnitude along the beam, with its place and its error."""
@@ -239,26 +262,41 @@ def breaks_of(problem: Problem) -> tuple[float, ...]:
     return tuple(sorted(found))
 
 
-def rigid_motion(shift: float, turn: float, length: float, both_ways: bool = False) -> str:
-    """The words for a rigid motion of the root by `shift`, m, and of the slope by `turn`, rad, of a beam of a length,
-    m; without the sense of the motion, if it is possible `both_ways`."""
-    if abs(turn) * length <= _NO_TURN * abs(shift):
-        return "a shift" + ("" if both_ways else " upwards" if shift > 0 else " downwards")
-    sense = "" if both_ways else " anticlockwise" if turn > 0 else " clockwise"
-    return f"a turn{sense} about x = {-shift / turn + 0.0:.6g} m"
+def rigid_motion(line: Line, motion: Sequence[float], both_ways: bool = False) -> str:
+    """The words for a rigid motion, of each beam the displacement of its left end, m, and its slope, ``(2 beams,)``;
+    without the sense of the motion, if it is possible `both_ways`."""
+    parts = []
+    moves = [
+        (beam.length, shift, turn) for beam, shift, turn in zip(line.beams, motion[::2], motion[1::2], strict=True)
+    ]
+    largest = max(abs(end) for L, shift, turn in moves for end in (shift, shift + turn * L))
+    for name, (L, shift, turn) in zip(line.names, moves, strict=True):
+        of = f" of {name}" if line.several else ""
+        if max(abs(shift), abs(shift + turn * L)) <= _NO_TURN * largest:
+            continue
+        if abs(turn) * L <= _NO_TURN * abs(shift):
+            parts.append("a shift" + of + ("" if both_ways else " upwards" if shift > 0 else " downwards"))
+        else:
+            sense = "" if both_ways else " anticlockwise" if turn > 0 else " clockwise"
+            centre = 0.0 if abs(shift) <= _NO_TURN * abs(turn) * L else -shift / turn
+            parts.append(f"a turn{of}{sense} about x = {centre:.6g} m")
+    return " with ".join(parts)
 
 
-def nothing_resists(shift: float, turn: float, length: float) -> str:
+def nothing_resists(line: Line, motion: Sequence[float]) -> str:
     """The message that there is no equilibrium, for the loads drive a rigid motion; see `rigid_motion`."""
+    of, held = ("", "supports, links nor stops") if line.several else (" of the whole beam", "supports nor stops")
     return (
-        f"equilibrium: there is none: the static loads drive {rigid_motion(shift, turn, length)} of the whole beam, "
-        "which neither supports nor stops resist"
+        f"equilibrium: there is none: the static loads drive {rigid_motion(line, motion)}{of}, which neither {held} "
+        "resist"
     )
 
 
-def nothing_holds(shift: float, turn: float, length: float, both_ways: bool, others: bool) -> str:
+def nothing_holds(line: Line, motion: Sequence[float], both_ways: bool, others: bool) -> str:
     """The sentence of an equilibrium that a rigid motion does not change, one way or both, or that many do not."""
     if others:
-        return "The equilibrium is not unique: nothing holds the beam, which may be shifted and turned within the gaps."
-    name = rigid_motion(shift, turn, length, both_ways)
-    return f"The equilibrium is not unique: nothing holds the beam against {name}, within the gaps."
+        held = "some beams, which" if line.several else "the beam, which"
+        return f"The equilibrium is not unique: nothing holds {held} may be shifted and turned within the gaps."
+    held = "the beams" if line.several else "the beam"
+    name = rigid_motion(line, motion, both_ways)
+    return f"The equilibrium is not unique: nothing holds {held} against {name}, within the gaps."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from lapjoint.cli.printing import print_source, stop_column
 from lapjoint.figures.text import error_text
 
 _COMPARED = 101
-"""Number of places along the beam at which two solvers are compared."""
+"""Number of places along each beam at which two solvers are compared."""
 
 
 def print_equilibrium(found: Equilibrium) -> None:
@@ -25,31 +26,40 @@ def print_equilibrium(found: Equilibrium) -> None:
         pressing = ", ".join(problem.stop_names[k] for k in found.state.closed)
         echo(f"\nForce of each stop [N]; {f'pressing: {pressing}' if pressing else 'none presses'}")
         names, width = stop_column(problem)
+        wide = max(8, *(len(stop.where) + 1 for stop in problem.structure.stops))
         rows = zip(names, problem.structure.stops, found.contact_forces, found.errors.contact_forces, strict=True)
         for name, stop, force, error in rows:
-            echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{_with_error(force, error)}")
-    if problem.structure.supports:
-        echo(
-            "\nForce [N] and couple [N m] of each support on the beam, force upwards and couple anticlockwise positive"
-        )
-    for i, support in enumerate(problem.structure.supports):
-        force = _with_error(found.support_forces[i], found.errors.support_forces[i])
-        couple = _with_error(found.support_moments[i], found.errors.support_moments[i])
-        echo(f"{i + 1:<10}x = {problem.line.place(support.x):<8} {force} {couple}")
+            echo(f"{name:<{width}}x = {stop.where:<{wide}} {stop.side:<8}{_with_error(force, error)}")
+    for what, places, numbers in _held(found):
+        echo(f"\nForce [N] and couple [N m] of each {what}, force upwards and couple anticlockwise positive")
+        wide = max(8, *map(len, places))
+        for i, (place, (force, of_force, couple, of_couple)) in enumerate(zip(places, numbers, strict=True), start=1):
+            echo(f"{i:<10}x = {place:<{wide}} {_with_error(force, of_force)} {_with_error(couple, of_couple)}")
     echo()
-    for label, extreme in _extremes(found).items():
+    for label, extreme in _extremes(found):
         echo(f"{label:<38}{_with_error(extreme.value, extreme.error)}  at x = {found.problem.line.place(extreme.x)} m")
     print_source(found.error_source)
 
 
-def _extremes(found: Equilibrium) -> dict[str, Extreme]:
-    """The largest moment and, where there is a section, the largest stress; and the displacement of the tip."""
-    L = found.problem.line.length
-    extremes = {"Largest bending moment [N m]": found.largest_moment()}
+def _held(found: Equilibrium) -> Iterator[tuple[str, list[str], list[tuple[float, float, float, float]]]]:
+    """Supports and links, if there are any: their words, places, and forces and couples, each with its error."""
+    errors, problem = found.errors, found.problem
+    supports = found.support_forces, errors.support_forces, found.support_moments, errors.support_moments
+    links = found.link_forces, errors.link_forces, found.link_moments, errors.link_moments
+    if problem.structure.supports:
+        places = [problem.line.place(it.x) for it in problem.structure.supports]
+        yield "support on the beam", places, list(zip(*(each.tolist() for each in supports), strict=True))
+    if problem.structure.links:
+        places = [" to ".join(map(problem.line.place, (it.first, it.second))) for it in problem.structure.links]
+        yield "link on its second beam", places, list(zip(*(each.tolist() for each in links), strict=True))
+
+
+def _extremes(found: Equilibrium) -> list[tuple[str, Extreme]]:
+    """The largest moment and, where there is a section, the largest stress; and the displacement of each tip."""
+    extremes = [("Largest bending moment [N m]", found.largest_moment())]
     if found.problem.line.has_sections:
-        extremes["Largest bending stress at the top [Pa]"] = found.largest_stress()
-    tip = Extreme(L, float(found.displacement(L)[0]), found.errors.displacement)
-    return extremes | {"Displacement of the tip [m]": tip}
+        extremes.append(("Largest bending stress at the top [Pa]", found.largest_stress()))
+    return extremes + [("Displacement of the tip [m]", tip) for tip in found.tips]
 
 
 def _with_error(value: float, error: float) -> str:
@@ -58,21 +68,19 @@ def _with_error(value: float, error: float) -> str:
 
 def differences(one: Equilibrium, other: Equilibrium) -> list[str]:
     """What two solvers say differently of one joint, beyond the sum of their errors; nothing where they agree."""
-    x = np.linspace(0.0, one.problem.line.length, _COMPARED)
+    x = one.problem.line.grid(_COMPARED)
     ours, theirs, found = one.errors, other.errors, []
     if one.state != other.state:
         names = (each.state.name(each.problem) for each in (one, other))
         found.append("pressing stops: " + " and ".join(names))
-    for name, a, b, error in (
-        ("stop", one.contact_forces, other.contact_forces, ours.contact_forces + theirs.contact_forces),
-        ("force of support", one.support_forces, other.support_forces, ours.support_forces + theirs.support_forces),
-        (
-            "couple of support",
-            one.support_moments,
-            other.support_moments,
-            ours.support_moments + theirs.support_moments,
-        ),
+    for name, what in (
+        ("stop", "contact_forces"),
+        ("force of support", "support_forces"),
+        ("couple of support", "support_moments"),
+        ("force of link", "link_forces"),
+        ("couple of link", "link_moments"),
     ):
+        a, b, error = getattr(one, what), getattr(other, what), getattr(ours, what) + getattr(theirs, what)
         for i in np.flatnonzero(np.abs(a - b) > error).tolist():
             found.append(f"{name} {i + 1}: {a[i]:.10g} and {b[i]:.10g}, with errors of {error_text(float(error[i]))}")
     for name, unit in (("displacement", "m"), ("slope", "rad"), ("moment", "N m"), ("shear", "N")):
@@ -93,11 +101,14 @@ def print_agreement(found: list[str]) -> None:
 def equilibrium_summary(found: Equilibrium) -> dict[str, Any]:
     """An equilibrium as JSON holds it."""
     problem, errors = found.problem, found.errors
-    names, L = problem.stop_names, problem.line.length
+    names, line = problem.stop_names, problem.line
 
-    def extreme(of: Extreme) -> dict[str, float]:
-        return {"x_m": of.x, "value": of.value, "error": of.error}
+    def extreme(of: Extreme) -> dict[str, Any]:
+        i = line.beam_at(of.x)
+        beam = {"beam": line.names[i]} if line.several else {}
+        return beam | {"x_m": of.x - line.starts[i], "value": of.value, "error": of.error}
 
+    tips = [extreme(tip) for tip in found.tips]
     section = problem.line.has_sections
     return {
         "solver": found.solver,
@@ -110,8 +121,12 @@ def equilibrium_summary(found: Equilibrium) -> dict[str, Any]:
         "support_force_errors_N": errors.support_forces.tolist(),
         "support_moments_Nm": found.support_moments.tolist(),
         "support_moment_errors_Nm": errors.support_moments.tolist(),
+        "link_forces_N": found.link_forces.tolist(),
+        "link_force_errors_N": errors.link_forces.tolist(),
+        "link_moments_Nm": found.link_moments.tolist(),
+        "link_moment_errors_Nm": errors.link_moments.tolist(),
         "largest_moment_Nm": extreme(found.largest_moment()),
         "largest_stress_Pa": extreme(found.largest_stress()) if section else None,
-        "tip_displacement_m": extreme(Extreme(L, float(found.displacement(L)[0]), errors.displacement)),
+        "tip_displacement_m": tips if line.several else tips[0],
         "error_source": found.error_source,
     }

@@ -100,11 +100,10 @@ def _of_steady_state(steady: SteadyState) -> str:
 @html_of.register
 def _of_equilibrium(found: Equilibrium) -> str:
     """A static equilibrium: the forces of the stops as a table, and the deflected shape."""
-    problem, tip = found.problem, found.problem.line.length
+    problem, line = found.problem, found.problem.line
     lines = [found.solver, *([found.other_equilibria] if found.other_equilibria else [])]
-    lines.append(
-        f"Displacement of the tip: {_with_error(float(found.displacement(tip)[0]), found.errors.displacement)} m"
-    )
+    for name, tip in zip(line.names, found.tips, strict=True):
+        lines.append(f"Displacement of the tip{f' of {name}' if name else ''}: {_with_error(tip.value, tip.error)} m")
     rows = [
         (name, stop.where, stop.side, _with_error(float(force), float(error)))
         for name, stop, force, error in zip(
@@ -112,10 +111,13 @@ def _of_equilibrium(found: Equilibrium) -> str:
         )
     ]
     table = _table(("stop", "x [m]", "side", "force [N]"), rows, 0) if rows else ""
-    x = np.linspace(0.0, tip, _SAMPLES)
     axes = new_axes(*_SIZE)
-    axes.plot(x, found.displacement(x))
+    for i, (name, start, end) in enumerate(zip(line.names, line.starts, line.ends, strict=True)):
+        x, origin = np.linspace(start, end, _SAMPLES), problem.beams[i].origin if line.several else 0.0
+        axes.plot(x - start + origin, found.displacement(x), label=name or None)
     axes.set(xlabel="x [m]", ylabel="z [m]")
+    if line.several:
+        axes.legend()
     return _page(problem.title or "Untitled problem", lines, table + _image(axes, "Displacement along the beam"))
 
 

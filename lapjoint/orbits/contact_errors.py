@@ -1,9 +1,14 @@
 """Errors of contacts: each contact is compared with its partner in a motion at a finer resolution of the solver.
 
 Two contacts are partners if they are contacts of one stop, and each is the nearest to the other in time.  If a contact
-has no partner, because the finer motion grazes the stop or splits the contact in two, no error can be stated, and the
-error is infinite.  Two chaotic marches finally part.  They have parted where the time between partners is not small
-compared with the time to their neighbours; from then on no error can be stated.
+has no partner, because the finer motion grazes the stop, no error can be stated, and the error is infinite.
+
+If two contacts are nearest by their starts and not by their ends, one motion splits what is one contact in the other;
+then only the error of the start can be stated.  The same holds where it is not certain whether the force of a damped
+stop ends and begins again, see `force_breaks`.
+
+Two chaotic marches finally part.  They have parted where the time between partners is not small compared with the time
+to their neighbours; from then on no error can be stated.
 """
 
 from __future__ import annotations
@@ -12,11 +17,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.orbits.force_breaks import cut, undecided_breaks
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
 
@@ -27,7 +34,8 @@ parted."""
 
 @dataclass(frozen=True)
 class Differences:
-    """Differences between contacts and their partners; infinite without a partner."""
+    """Differences between contacts and their partners; infinite without a partner, and all but the start infinite where
+    one motion splits a contact."""
 
     start: FloatArray
     """Difference of the start times, s, shape ``(contacts,)``."""
@@ -42,10 +50,11 @@ class Differences:
 def with_contact_errors(history: History, refinement: Refinement, finer: Callable[[], History]) -> History:
     """A march with the errors of its contacts; `finer` returns the march of the finer solver."""
     try:
-        others = finer().contacts
+        other = finer()
     except (InputError, SolverError) as error:
         return without_contact_errors(history, f"{refinement.name} gave up: {error}")
-    found = differences(history.contacts, others)
+    breaks = undecided_breaks(history, other, refinement)
+    found = without_broken(differences(history.contacts, other.contacts), cut(history, breaks))
     parted = parting(history.contacts, found)
     together = np.arange(len(history.contacts)) < parted
     errors = []
@@ -57,9 +66,18 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
     floors = ROUNDING * np.maximum.accumulate(np.array(sizes).reshape(-1, 4)).T
     contacts = with_errors(history, *(error + floor for error, floor in zip(errors, floors, strict=True)))
     source = f"compared with {refinement.name}"
+    if breaks.size:
+        source += f"; from {breaks[0, 0]:.6g} s on it is not always certain whether the force of a stop ends"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
     return replace(history, contacts=contacts, error_source=source)
+
+
+def without_broken(found: Differences, broken: npt.NDArray[np.bool_]) -> Differences:
+    """Differences of contacts, infinite where undecided breaks of forces, as of `cut`, leave a number unknown."""
+    unknown = broken.any(axis=0)
+    others = (np.where(unknown, np.inf, it) for it in (found.impulse, found.peak_force, found.dissipated))
+    return Differences(np.where(broken[1], np.inf, found.start), *others)
 
 
 def with_errors(
@@ -96,15 +114,25 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
         other = [contact for contact in others if contact.stop == stop]
         if not other:
             continue
-        times, theirs = (np.array([one.start for one in these]) for these in ([contacts[i] for i in own], other))
-        partner, apart = _nearest(times, theirs, period)
-        mutual = _nearest(theirs, times, period)[0][partner] == np.arange(own.size)
+        mine = [contacts[i] for i in own]
+        partner, mutual, apart = _partners([c.start for c in mine], [c.start for c in other], period)
+        by_end, both, _ = _partners([c.end for c in mine], [c.end for c in other], period)
         start[own[mutual]] = apart[mutual]
+        mutual &= both & (by_end == partner)
         pairs = [(contacts[i], other[k]) for i, k in zip(own[mutual], partner[mutual], strict=True)]
         impulse[own[mutual]] = [abs(one.impulse - another.impulse) for one, another in pairs]
         peak[own[mutual]] = [abs(one.peak_force - another.peak_force) for one, another in pairs]
         dissipated[own[mutual]] = [abs(one.dissipated - another.dissipated) for one, another in pairs]
     return Differences(start, impulse, peak, dissipated)
+
+
+def _partners(
+    times: Sequence[float], others: Sequence[float], period: float | None
+) -> tuple[IndexArray, npt.NDArray[np.bool_], FloatArray]:
+    """Index of the nearest other time to each time, whether each is the nearest to the other, and their distance, s."""
+    one, other = np.array(times), np.array(others)
+    partner, apart = _nearest(one, other, period)
+    return partner, _nearest(other, one, period)[0][partner] == np.arange(one.size), apart
 
 
 def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tuple[IndexArray, FloatArray]:

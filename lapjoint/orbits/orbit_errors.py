@@ -20,7 +20,8 @@ from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import Differences, differences, with_errors, without_contact_errors
+from lapjoint.orbits.contact_errors import differences, with_errors, without_broken, without_contact_errors
+from lapjoint.orbits.force_breaks import cut, undecided_breaks
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
@@ -156,7 +157,8 @@ def _with_contact_errors(history: History, finer: History, refinement: Refinemen
     """The motion with the errors of its contacts; `floor` is relative."""
     period = history.end - history.start
     whole, number = _whole(history)
-    found: Differences = differences(whole, _whole(finer)[0], period)
+    broken, of_whole = cut(history, undecided_breaks(history, finer, refinement)), np.eye(len(whole), dtype=bool)
+    found = without_broken(differences(whole, _whole(finer)[0], period), broken @ of_whole[number])
     start, impulse, peak, dissipated = (
         refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)), dt=dt)
         for values, dt in ((found.start, 0), (found.impulse, 0), (found.peak_force, 0), (found.dissipated, OF_ENERGY))
@@ -181,5 +183,5 @@ def _whole(history: History) -> tuple[list[Contact], list[int]]:
         k = whole.index(begun)
         peak = max(made[k].peak_force, contacts[i].peak_force)
         impulse, lost = (getattr(made[k], name) + getattr(contacts[i], name) for name in ("impulse", "dissipated"))
-        made[k] = replace(made[k], impulse=impulse, peak_force=peak, dissipated=lost)
+        made[k] = replace(made[k], end=contacts[i].end, impulse=impulse, peak_force=peak, dissipated=lost)
     return made, [whole.index(rest.get(i, i)) for i in range(len(contacts))]

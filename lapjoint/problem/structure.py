@@ -5,6 +5,7 @@ All positions are on the line of beams, see `lapjoint.problem.line`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -20,6 +21,8 @@ from lapjoint.problem.supports_and_stops import PlacedStop, Support
 
 _HELD = 1e-9
 """Supports and links hold a rigid-body motion if they resist it by at least this, for a motion of unit size."""
+_BASE = -1.0
+"""Stands for the base where others are positions on the line, m, which are at least 0."""
 _KEPT = 64
 """Number of structures that are cached: problems of one campaign mostly share one."""
 
@@ -114,6 +117,32 @@ class Structure:
         longest = max(beam.length for beam in self.line.beams)
         found[2 * i : 2 * i + 2] = (0.0, longest / length) if derivative else (1.0, (x - start) / length)
         return found
+
+    @cached_property
+    def idle(self) -> frozenset[tuple[int, int]]:
+        """The infinite springs that hold only what others hold, and of which equilibria say that they take no force.
+
+        Each is the index among the supports and then the links, and 0 of a displacement or 1 of a slope.  Infinite
+        springs join displacements, or slopes, to each other or to the base, and such a spring joins what others, that
+        stand before it, have joined.
+        """
+        root: dict[tuple[float, int], tuple[float, int]] = {}
+
+        def first(one: tuple[float, int]) -> tuple[float, int]:
+            while root.get(one, one) != one:
+                one = root[one]
+            return one
+
+        ends = [(it.x, _BASE, it.translational, it.torsional) for it in self.supports]
+        ends += [(it.first, it.second, it.translational, it.torsional) for it in self.links]
+        found = set()
+        for i, (a, b, *springs) in enumerate(ends):
+            for derivative in (derivative for derivative, k in enumerate(springs) if math.isinf(k)):
+                one, other = (first((x, derivative)) for x in (a, b))
+                if one == other:
+                    found.add((i, derivative))
+                root[one] = other
+        return frozenset(found)
 
     @cached_property
     def viscous(self) -> tuple[tuple[float, float, float], ...]:

@@ -11,10 +11,9 @@ stop so far, the motion is sampled `FINE` times as closely, and once more around
 of a quantity that varies more slowly than the sampling is exact.  A peak of a faster quantity may lie between samples,
 so that the result is a lower bound.
 
-**Contacts** are counted once, in the unit in which they begin, even if the end of a stretch cuts them.
-
-**Energies** lost in damped stops belong to the unit in which they are lost, also those of a contact that lasts through
-several units.
+**Contacts** are counted once, in the unit in which they begin, even if the end of a stretch cuts them.  Their times,
+impulses, largest forces and energies belong to the unit in which they act: a contact that lasts through several units
+is cut at their edges.
 """
 
 from __future__ import annotations
@@ -22,15 +21,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from lapjoint.answers.dissipation import Span, energies_lost
+from lapjoint.answers.dissipation import parts_of
 from lapjoint.answers.history import Contact, History
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.distributions import bins_of
-from lapjoint.summaries.quantities import IndexArray, Selection, keep_largest
+from lapjoint.summaries.quantities import Selection, keep_largest
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 FINE = 8
@@ -75,7 +73,7 @@ class Collector:
     def take(self, history: History) -> None:
         """Add a stretch, which begins where the last one ended."""
         self._take_contacts(history)
-        self._take_energies(history)
+        self._take_parts(history)
         for unit in range(self._unit_of(history.start), self._unit_of(history.end) + 1):
             lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
             if lo < hi:
@@ -167,21 +165,17 @@ class Collector:
         return np.asarray(np.maximum(signs[which] * velocity[which, np.arange(starts.size)], 0.0))
 
     def _add(self, done: list[tuple[Contact, float, bool]]) -> None:
-        """Add complete contacts: each with its impact speed, m/s, and whether an end of the motion cuts it."""
+        """Count complete contacts: each with its impact speed, m/s, and whether an end of the motion cuts it."""
         if not done:
             return
-        sums, first, last = self.sums, self._edges[0], self._edges[-1]
+        sums = self.sums
         stop = np.array([contact.stop for contact, _, _ in done])
         start, end, impulse, peak = np.array(
             [(contact.start, contact.end, contact.impulse, contact.peak_force) for contact, _, _ in done]
         ).T
-        self._add_time(stop, np.clip(start, first, last), np.clip(end, first, last))
-        begins = (start >= first) & (start < last)
+        begins = (start >= self._edges[0]) & (start < self._edges[-1])
         unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, self._edges.size - 2)
-        at = unit[begins], stop[begins]
-        np.add.at(sums.contacts, at, 1)
-        np.add.at(sums.impulse, at, impulse[begins])
-        np.maximum.at(sums.force_peak, at, peak[begins])
+        np.add.at(sums.contacts, (unit[begins], stop[begins]), 1)
         whole = begins & ~np.array([cut for _, _, cut in done])
         unit, stop = unit[whole], stop[whole]
         columns = np.abs(impulse), peak, end - start, np.array([speed for _, speed, _ in done])
@@ -189,34 +183,18 @@ class Collector:
             np.add.at(sums.counts[:, :, k], (unit, stop, bins_of(values[whole])), 1)
             np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
 
-    def _take_energies(self, history: History) -> None:
-        """Add the energies lost in a stretch; of a contact that lasts beyond an edge of a unit, each part by itself."""
-        parts: list[list[Span]] = [[] for _ in range(self._stops)]
-        for one in history.contacts:
-            if one.dissipated:
-                inside = self._edges[(self._edges > one.start) & (self._edges < one.end)].tolist()
-                for a, b in pairwise([one.start, *inside, one.end] if inside else ()):
-                    parts[one.stop].append(Span(a, b, a > one.start or one.open_start, b < one.end or one.open_end))
-                if not inside:
-                    self._add_energy(one.stop, one.start, one.dissipated)
-        for stop, spans in enumerate(parts):
-            for span, lost in zip(spans, energies_lost(history, stop, spans) if spans else (), strict=True):
-                self._add_energy(stop, span.start, lost)
-
-    def _add_energy(self, stop: int, start: float, lost: float) -> None:
-        """Add an energy, J, that a stop took from a time on, s."""
-        if self._edges[0] <= start < self._edges[-1]:
-            self.sums.dissipated[self._unit_of(start), stop] += lost
-
-    def _add_time(self, stop: IndexArray, start: FloatArray, end: FloatArray) -> None:
-        """Add the time in contact of contacts that start and end, s, within the units."""
-        units = self._edges.size - 1
-        unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, units - 1)
-        while stop.size:
-            until = np.minimum(end, self._edges[unit + 1])
-            np.add.at(self.sums.time_in_contact, (unit, stop), until - start)
-            more = until < end
-            stop, start, end, unit = stop[more], until[more], end[more], unit[more] + 1
+    def _take_parts(self, history: History) -> None:
+        """Add the contacts of a stretch, each cut at the edges of units, to the units in which they act."""
+        edges, parts = self._edges, []
+        for contact in history.contacts:
+            parts += parts_of(history, contact, edges[(edges > contact.start) & (edges < contact.end)].tolist())
+        parts = [part for part in parts if edges[0] <= part.start < edges[-1]]
+        starts, stop = np.array([part.start for part in parts]), np.array([part.stop for part in parts], dtype=int)
+        at = np.searchsorted(edges, starts, side="right") - 1, stop
+        np.add.at(self.sums.time_in_contact, at, [part.duration for part in parts])
+        np.add.at(self.sums.impulse, at, [part.impulse for part in parts])
+        np.add.at(self.sums.dissipated, at, [part.dissipated for part in parts])
+        np.maximum.at(self.sums.force_peak, at, [part.peak_force for part in parts])
 
 
 @dataclass(frozen=True)
@@ -239,5 +217,4 @@ def _as_one(begun: Contact, rest: Contact) -> Contact:
         impulse=begun.impulse + rest.impulse,
         peak_force=max(begun.peak_force, rest.peak_force),
         open_end=rest.open_end,
-        dissipated=begun.dissipated + rest.dissipated,
     )

@@ -37,13 +37,13 @@ class Sums:
     force_squares: FloatArray
     """Sum of the squares of the samples of the forces of the stops, N2, shape ``(U, S)``."""
     force_peak: FloatArray
-    """Largest peak force of the contacts, N, shape ``(U, S)``."""
+    """Largest force, N, shape ``(U, S)``."""
     contacts: CountArray
     """Number of contacts that begin, shape ``(U, S)``."""
     time_in_contact: FloatArray
     """Time in contact, s, shape ``(U, S)``."""
     impulse: FloatArray
-    """Sum of the impulses of the contacts that begin, N s, top positive, shape ``(U, S)``."""
+    """Impulse, N s, top positive, shape ``(U, S)``."""
     dissipated: FloatArray
     """Energy that the stops take and keep, J, shape ``(U, S)``."""
     largest: FloatArray

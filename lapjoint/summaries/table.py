@@ -188,12 +188,12 @@ def _of_stops(sums: Sums, damped: npt.NDArray[np.bool_]) -> dict[str, Variable]:
     power = sums.dissipated / T
     text = "energy that the stop takes and keeps a second"
     found |= _valued("dissipated_power", here, power.mean(axis=0), intervals.of_positive_mean(power), "W", text)
-    never = counts.sum(axis=0) == 0
+    never = share.sum(axis=0) == 0
     for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
-        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # without any contact, the value is unknown
+        found[f"{name}_interval"][1][never] = [0.0, np.inf]  # of a stop that was never touched, the value is unknown
     total = power.sum(axis=1)
     ends = intervals.of_positive_mean(total)
-    untouched = damped & (share.sum(axis=0) == 0)
+    untouched = damped & never
     found["dissipated_power_interval"][1][untouched] = [0.0, np.inf]
     if np.any(damped) and np.array_equal(untouched, damped):
         ends = np.array([0.0, np.inf])

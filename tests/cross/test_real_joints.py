@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from few_and_many import in_processes
 from random_joints import DAMPED, real_joint
+from refining import AnySolver
 
 import analytic
 import fe_lapjoint
@@ -27,7 +28,7 @@ from validation.coexistence import Motion, why_they_differ
 pytestmark = pytest.mark.long_march
 
 LONGEST = 500  # excitation periods, after which a motion that has not been told is not waited for
-SOLVERS: tuple[analytic.Solver | fe_lapjoint.Solver, ...] = (
+SOLVERS: tuple[AnySolver, ...] = (
     analytic.Solver(max_periods=LONGEST),
     fe_lapjoint.Solver(elements=10, max_periods=LONGEST),
 )
@@ -58,14 +59,18 @@ class Settled:
 def settled(drawn: Drawn, index: int) -> Settled:
     """Both solvers on one problem, from rest."""
     problem = drawn(SEED, index)
-    one, other = (solver.steady_state(problem, sensitivity=False) for solver in SOLVERS)
+    return judged(problem, *(solver.steady_state(problem, sensitivity=False) for solver in SOLVERS))
+
+
+def judged(problem: Problem, one: SteadyState, other: SteadyState, solvers: tuple[AnySolver, ...] = SOLVERS) -> Settled:
+    """What two solvers say of where a problem settles."""
     if Outcome.UNDECIDED in (one.outcome, other.outcome):
         return Settled(problem.title, "undecided", f"{one.outcome.name}, {other.outcome.name}")
     if (one.outcome, one.period_multiple) == (other.outcome, other.period_multiple):
         times = times_allowed(one, other)
         if times <= 1.0:
             return Settled(problem.title, "agree", "")
-    motions = [Motion(solver, found) for solver, found in zip(SOLVERS, (one, other), strict=True)]
+    motions = [Motion(solver, found) for solver, found in zip(solvers, (one, other), strict=True)]
     why = why_they_differ(problem, *motions)
     named = ", ".join(
         f"{it.outcome.name} {it.period_multiple} {it.impulses} +- {it.impulse_errors}" for it in (one, other)

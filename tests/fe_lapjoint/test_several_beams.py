@@ -9,7 +9,7 @@ import pytest
 
 from fe_lapjoint import Solver
 from lapjoint import BaseMotion, ModalDamping, Problem, StepLoad, Stop, Support
-from lapjoint.problem import BeamsStart, BeamStart, FloatArray, NamedBeam
+from lapjoint.problem import BeamsStart, BeamStart, FloatArray, Link, NamedBeam
 
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 DRIVE = {"damping": ModalDamping(ratio=0.03), "base_motion": BaseMotion(amplitude=0.01, angular_frequency=5.0)}
@@ -149,3 +149,19 @@ def test_free_beams_that_collide_conserve_momentum_and_energy(seed: int) -> None
     given = (w[upper] @ speed[upper])[-1]
     whole = sum(c.impulse for c in motion.contacts)
     assert given == pytest.approx(whole, rel=1e-6, abs=1e-12)
+
+
+def test_a_section_point_with_rigid_links_is_adopted_by_another_mesh_and_by_other_links() -> None:
+    """Both sides of a weld move alike on every mesh, also where the weld is a spring instead."""
+    weld = Link(between=("a:0.7", "b:0.4"), translational=math.inf, torsional=math.inf)
+    welded = Problem(beams=(beam("a", CLAMP), beam("b")), links=(weld,), **DRIVE)  # type: ignore[arg-type]
+    sprung = welded.replace(links=(weld.model_copy(update={"translational": 1e3, "torsional": 10.0}),))
+    coarse = Solver(elements=5).period_map(welded)
+    point = coarse.march(coarse.initial(), 3).end
+    x = np.array([welded.position(place) for place in ("a:0.7", "b:0.4", "b:1")])
+    z = coarse.history(point, 1).displacement(x, 0.0)[:, 0]
+    assert z[0] == pytest.approx(z[1], rel=1e-12)
+    moved = coarse.moved(coarse.initial(), coarse.difference(point, coarse.initial()))
+    for elements, problem, start in ((5, welded, moved), (7, welded, point), (5, sprung, point), (7, sprung, moved)):
+        finer = Solver(elements=elements).period_map(problem)
+        assert finer.history(finer.adopted(start), 1).displacement(x, 0.0)[:, 0] == pytest.approx(z, rel=1e-9)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -165,9 +166,8 @@ class _State:
         force = self._load[0] + loads @ self._load[1:]
         force = force + (self._sign * (np.where(self._closed, self._k * d, 0.0) - F)) @ self._phi
         q, v = y[: self.n], y[self.n : 2 * self.n]
-        lost = np.where(self.pulls, F, np.maximum(F, 0.0)) * d1
         force = force - rates @ self._drag_of_loads[1:] - self._drag @ v
-        return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, lost])
+        return np.concatenate([v, force - 2 * self._rate * v - self._natural**2 * q, F, F * d1])
 
     def gap_function(self, index: int, t: float, y: FloatArray) -> float:
         """Rises through 0 where a stop, or the force of stop `~index`, switches; m."""
@@ -176,6 +176,27 @@ class _State:
             return float(-d[index] if self._closed[index] else d[index])
         value = d[~index] + self._c[~index] / self._k[~index] * d1[~index]
         return float(-value if self._acts[~index] else value)
+
+    def first_beyond(self, found: Any, levels: dict[int, float]) -> float:
+        """The first time, s, by which a gap function has passed its level and scipy has not seen it: its function
+        returns below before the step ends, or another event cuts the step.  Infinite if there is none.
+
+        Peaks within a step are those of a parabola.
+        """
+        a, b = found.t[:-1], found.t[1:]
+        grid = np.concatenate([a, (a + b) / 2, b])
+        states, times = found.sol(grid).T, []
+        for index, seen in zip(self.indices, found.t_events, strict=True):
+            pairs = zip(grid.tolist(), states, strict=True)
+            f, g, h = np.array([self.gap_function(index, t, y) for t, y in pairs]).reshape(3, -1) - levels[index]
+            if seen.size:
+                h[-1] = 0.0
+            slope, bend = (h - f) / 2, f - 2 * g + h  # by half steps, at the middle
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = np.where(np.abs(slope) < -bend, -slope / bend, np.sign(slope))
+            peak = (f < 0) & (g + at * slope + at**2 * bend / 2 > 0)
+            times += ((a + b) / 2 + at * (b - a) / 2)[peak].tolist()
+        return min(times, default=math.inf)
 
     def event(self, index: int, level: float) -> Callable[[float, FloatArray], float]:
         """The gap function as an event of scipy, with truncation's `level` in place of 0."""
@@ -216,7 +237,10 @@ def witnessed(joint: Joint, state: ContactState, q: FloatArray, v: FloatArray, e
         else:
             events = [now.event(index, level[index] * (1 + 1e-9)) for index in now.indices]
             options = {"rtol": 1e-12, "atol": 1e-15, "max_step": _TURN / now.fastest}
-            found = solve_ivp(now.rates, (t, until), y, method="DOP853", events=events, **options)
+            found, options = None, {**options, "method": "DOP853", "dense_output": True}
+            while found is None or until <= found.t[-1]:
+                found = solve_ivp(now.rates, (t, until), y, events=events, **options)
+                until = now.first_beyond(found, level)
             t, y = float(found.t[-1]), found.y[:, -1]
             q, v, totals = y[: now.n], y[now.n : 2 * now.n], y[2 * now.n :].reshape(2, P)
             hit = [index for index, at in zip(now.indices, found.t_events, strict=True) if at.size]

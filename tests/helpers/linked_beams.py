@@ -17,8 +17,9 @@ import mpmath as mp
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint import ContactState, Problem, Stop, Support
+from lapjoint import ContactState, Problem, StepLoad, Stop, Support
 from lapjoint.problem import BeamSegment, Link, Mass, NamedBeam
+from lapjoint.problem.static_loads import Gravity, UniformLoad
 
 Array = npt.NDArray[np.float64]
 _SERIES = 1.5
@@ -48,7 +49,7 @@ def _members(s: float) -> tuple[float, ...]:
     )
 
 
-def _allowed(rows: Array) -> Array:
+def allowed_by(rows: Array) -> Array:
     """A basis, as columns, of the displacements that rows of 0, 1 and -1 set to zero, without rounding: each row gives
     one displacement, or the difference of two, and elimination keeps that."""
     rows, pivots = rows.copy(), []
@@ -115,7 +116,7 @@ class ExactBeams:
         finite = np.isfinite(k)
         self.springs = rows[finite].T @ (k[finite, None] * rows[finite])
         self.each = [(list(row.items()), k) for row, k in springs if 0 < k < math.inf]
-        self.allowed = _allowed(rows[~finite])
+        self.allowed = allowed_by(rows[~finite])
 
     def count(self, omega: float) -> int:
         """Number of frequencies below `omega`, rad/s."""
@@ -288,3 +289,49 @@ def stiffer_links(rng: np.random.Generator, problem: Problem) -> Problem:
         for link in problem.links
     ]
     return problem.replace(links=tuple(links))
+
+
+def resting_beams(rng: np.random.Generator) -> Problem:
+    """A system of `random_beams` under static loads, with one to five stops, of which one in three presses straight
+    beams; springs, links and stops may leave it loose."""
+    bare = random_beams(rng)
+    beams = [
+        beam.model_copy(update={"gravity_share": float(rng.choice([1.0, -1.0, 0.5, 0.0])), "base_share": 1.0})
+        for beam in bare.beams
+    ]
+    load = 10 ** rng.uniform(-1, 2)
+
+    def place(beam: NamedBeam) -> float:
+        return float(rng.choice([0.0, beam.length, beam.length * rng.uniform(0.1, 0.9)]))
+
+    stops: list[Stop] = []
+    for i in range(int(rng.integers(1, 6))):
+        one, other = (beams[k] for k in rng.choice(len(beams), 2, replace=False))
+        unit = one.EI / one.length**3
+        gap = load / unit * 10 ** rng.uniform(-3, 0) * (-1 if rng.random() < 0.35 else 1)
+        numbers = {"name": f"s{i}", "gap": float(gap), "stiffness": float(unit * 10 ** rng.uniform(-1, 9))}
+        where = f"{one.name}:{place(one)!r}"
+        if stops and rng.random() < 0.2:  # at a place that there is
+            stops.append(stops[-1].model_copy(update=numbers))
+        elif rng.random() < 0.6:
+            stops.append(Stop(between=(where, f"{other.name}:{place(other)!r}"), **numbers))
+        else:
+            stops.append(Stop(x=where, side=("top", "bottom")[int(rng.integers(2))], **numbers))
+    uniform, steps = [], []
+    for beam in beams:
+        if rng.random() < 0.5:
+            a, b = sorted((place(beam), place(beam)))
+            if b > a:
+                force = float(load / beam.length * rng.normal())
+                uniform.append(UniformLoad(beam=beam.name, start=a, to=b, force_per_length=force))
+        if rng.random() < 0.4:
+            steps.append(StepLoad(x=f"{beam.name}:{place(beam)!r}", force=float(load * rng.normal())))
+    heaviest = max(beam.m * beam.length for beam in beams)
+    gravity = Gravity(acceleration=float(rng.normal() * load / heaviest)) if rng.random() < 0.7 else None
+    return bare.replace(
+        beams=tuple(beams),
+        stops=tuple(stops),
+        gravity=gravity,
+        uniform_loads=tuple(uniform),
+        point_loads=tuple(steps),
+    )

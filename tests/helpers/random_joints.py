@@ -34,7 +34,7 @@ def real_joint(seed: int, index: int, *, features: Sequence[str] = (), also: Seq
     """One problem of a seed: a cantilever with a stop at its tip if the index is even, else any joint.
 
     It has those `features` and no others, if any are given, and has `also` others besides those of its index.
-    "harmonics" and "damped stops" are features, too, which no index has of its own.
+    "harmonics", "damped stops" and "viscous" damping are features, too, which no index has of its own.
     """
     rng = np.random.default_rng((seed, index, 9))
     features = (*(features or _features(rng, index // 2)), *also)
@@ -43,6 +43,8 @@ def real_joint(seed: int, index: int, *, features: Sequence[str] = (), also: Seq
     problem = _laden(rng, features, problem)
     if "harmonics" in features:
         problem = with_harmonics(problem, np.random.default_rng((seed, index, 2)), 2 if index % 3 == 0 else 1)
+    if "viscous" in features:
+        problem = problem.replace(damping=viscous(problem, rng))
     for name, change in (("preload", pressed), ("in space", in_space), ("damped stops", damped)):
         if name in features:
             problem = _changed(change, rng, problem)
@@ -52,6 +54,16 @@ def real_joint(seed: int, index: int, *, features: Sequence[str] = (), also: Seq
 PRELOADED = partial(real_joint, features=("preload",))
 SPATIAL = partial(real_joint, features=("preload", "in space", "harmonics"))
 DAMPED = partial(real_joint, also=("damped stops",))
+EVERY = ("masses", "steps", "fluids", "gravity", "uniform load", "preload", "in space", "damped stops", "viscous")
+
+
+def any_joint(seed: int, index: int) -> Problem:
+    """One problem with some of `EVERY`: nine indices of eighteen have one of them, in turn, the others have several."""
+    if index % 18 < len(EVERY):
+        return real_joint(seed, index, features=(EVERY[index % 18],))
+    rng = np.random.default_rng((seed, index, 5))
+    some = rng.choice(len(EVERY), int(rng.integers(2, 6)), replace=False)
+    return real_joint(seed, index, features=[EVERY[i] for i in sorted(some.tolist())])
 
 
 def real_march(seed: int, index: int) -> tuple[Problem, float]:
@@ -93,6 +105,11 @@ def damped(problem: Problem, rng: np.random.Generator) -> Problem:
         c, pulls, has = between(rng, *_DAMPER) * math.sqrt(stop.stiffness), rng.random() < 0.3, rng.random() < 0.8
         stops.append(stop.model_copy(update={"damping": c, "may_pull": bool(pulls)}) if has else stop)
     return problem.replace(stops=tuple(stops))
+
+
+def viscous(problem: Problem, rng: np.random.Generator) -> ViscousDamping:
+    """Damping of 0.01 to 0.1 of the lowest mode of a uniform beam, which masses, steps and fluids couple."""
+    return ViscousDamping(coefficient=2 * between(rng, 0.01, 0.1) * float(response_of(problem).omega[0]))
 
 
 def _features(rng: np.random.Generator, number: int) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from shaken_beams import shaken_beams
 
 import analytic
 import fe_lapjoint
@@ -64,3 +65,14 @@ def test_class_and_period_tell_motions_apart(two: tuple[Motion, Motion]) -> None
     assert not same_motion(found, replace(found, period_multiple=found.period_multiple + 1))
     other = Outcome.PERIODIC if found.outcome is Outcome.NO_CONTACT else Outcome.NO_CONTACT
     assert not same_motion(found, replace(found, outcome=other))
+
+
+def test_a_motion_of_several_beams_is_handed_over_beam_by_beam() -> None:
+    problem, solver = shaken_beams(49, 1), fe_lapjoint.Solver(elements=8)
+    found = solver.steady_state(problem, errors=False)
+    handed, x = started_from(problem, found).start, problem.line.grid(7)
+    for given, motion in (
+        (handed.displacement_at(x), found.history.displacement(x, found.history.start)),
+        (handed.velocity_at(x), found.history.velocity(x, found.history.start)),
+    ):
+        assert given == pytest.approx(motion[:, 0], abs=1e-6 * np.abs(motion).max())

@@ -225,7 +225,7 @@ PARTS = (
     Fault(
         "fe-rests-at-gap",
         "a sign",
-        "fe_lapjoint:_Joint.__init__",
+        "fe_lapjoint:RestingJoint.__init__",
         "An equilibrium takes interferences for gaps as wide.",
         old="stop.gap",
         new="abs(stop.gap)",
@@ -233,7 +233,7 @@ PARTS = (
     Fault(
         "fe-rests-without-one-load",
         "an input ignored",
-        "fe_lapjoint:_Joint.__init__",
+        "fe_lapjoint:RestingJoint.__init__",
         "Of several constant loads, the last one does not count in an equilibrium.",
         old="problem.forces.constant",
         new="problem.forces.constant[:-1]",

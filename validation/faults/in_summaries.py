@@ -72,10 +72,10 @@ SUMMARIES = (
     Fault(
         "statistics-time-of-another-stop",
         "off by one",
-        "lapjoint:Collector._add_time",
+        "lapjoint:Collector._take_parts",
         "The time in contact of one stop is given to another.",
-        old="np.add.at(self.sums.time_in_contact, (unit, stop), until - start)",
-        new="np.add.at(self.sums.time_in_contact, (unit, (stop + 1) % self._stops), until - start)",
+        old="np.add.at(self.sums.time_in_contact, at, ...)",
+        new="np.add.at(self.sums.time_in_contact, (at[0], (stop + 1) % self._stops), ...)",
     ),
     Fault(
         "statistics-peak-of-samples",

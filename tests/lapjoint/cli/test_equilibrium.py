@@ -99,3 +99,22 @@ def test_a_motion_from_the_page_starts_with_its_stop_closed(file: Path) -> None:
     history = analytic.Solver(n_modes=8).simulate(from_toml(PRESSED), 0.1, errors=False)
     assert history.states[0].closed == (0,)
     assert not history.switch_times.size
+
+
+def test_several_beams_have_places_links_and_a_tip_each(tmp_path: Path) -> None:
+    clamp = "supports = [{x = 0.0, translational = inf, torsional = inf}]"
+    beams = "".join(
+        f'[[beams]]\nname = "{name}"\nlength = 0.3\nbending_stiffness = 40.0\nmass_per_length = 1.0\n{clamp}\n'
+        for name in ("upper", "lower")
+    )
+    file, out = tmp_path / "pair.toml", tmp_path / "pair.json"
+    link = '[[links]]\nbetween = ["upper:0.3", "lower:0.3"]\ntranslational = inf\n'
+    file.write_text(beams + link + '[[uniform_loads]]\nbeam = "upper"\nforce_per_length = -50.0\n')
+    text = run_well("equilibrium", file, "--solver", "both", "--json", out)
+    assert "x = upper:0.3 to lower:0.3" in text
+    assert "The solvers agree within their errors." in text
+    assert text.count("Displacement of the tip") == 4
+    written = json.loads(out.read_text())["solvers"][0]
+    assert written["link_forces_N"] == pytest.approx([-50.0 * 0.3 * 3 / 16], rel=1e-12)
+    assert [tip["beam"] for tip in written["tip_displacement_m"]] == ["upper", "lower"]
+    assert [tip["x_m"] for tip in written["tip_displacement_m"]] == pytest.approx([0.3, 0.3])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -31,6 +32,17 @@ def test_a_contact_that_the_other_motion_lacks_has_no_partner_and_the_rest_do() 
     found = differences(contacts(1.0, 2.0), contacts(1.0, 1.2, 2.0))
     assert found.start.tolist() == [0.0, 0.0]
     assert np.isinf(differences(contacts(1.0), contacts(1.0, stop=1)).impulse[0])
+
+
+def test_of_a_contact_that_the_other_motion_splits_the_start_alone_is_known() -> None:
+    (one,) = whole = [Contact(0, 1.0, 2.0, 1.0, 10.0)]
+    parts = [replace(one, end=1.4, impulse=0.7), replace(one, start=1.5, impulse=0.3)]
+    for own, other in ((whole, parts), (parts, whole)):
+        found = differences(own, other)
+        assert found.start[0] == 0.0
+        assert np.isinf(found.impulse).all()
+        assert np.isinf(found.peak_force).all()
+        assert np.isinf(found.dissipated).all()
 
 
 def test_times_of_periodic_motions_are_compared_modulo_the_period() -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields, replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from stretches import cut
 from written_history import AMPLITUDE, GAP, OMEGA, STIFFNESS
 
-from lapjoint import BaseMotion, History
+from lapjoint import BaseMotion, History, Stop
+from lapjoint.answers import Contact, ContactState
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.collector import AT_ONCE, Collector, sample_times
 from lapjoint.summaries.distributions import BINS, bins_of, edges
@@ -18,6 +20,7 @@ from lapjoint.summaries.quantities import selection
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 RATE = 40.0
+DEPTH = 4e-3  # m
 
 
 def collected(history: History, times: list[float], *, settle: float = 0.0, units: int = 1, rate: float = RATE) -> Sums:
@@ -85,6 +88,60 @@ def test_what_comes_before_the_settled_motion_is_left_out(history: History) -> N
     assert sums.time_in_contact.sum(axis=0) == pytest.approx([0.75 * above.duration, below.duration])
     assert sums.samples.sum() == all_times(RATE, settle, 1.0).size
     assert sums.duration == pytest.approx((1 - settle) / 3)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.75])
+def test_of_a_contact_that_began_before_the_settled_motion_the_rest_counts(history: History, share: float) -> None:
+    """The force is k (A sin(omega t) - gap): before and after its peak."""
+    above = history.contacts[0]
+    settle = above.start + share * above.duration
+    sums = collected(history, [], settle=settle)
+    fall = math.cos(OMEGA * settle) - math.cos(OMEGA * above.end)
+    impulse = STIFFNESS * (AMPLITUDE * fall / OMEGA - GAP * (above.end - settle))
+    assert sums.impulse[0, 0] == pytest.approx(impulse, rel=1e-7)  # eight nodes, and a third of a turn
+    largest = AMPLITUDE if share < 0.5 else AMPLITUDE * math.sin(OMEGA * settle)
+    assert sums.force_peak[0, 0] == pytest.approx(STIFFNESS * (largest - GAP), rel=1e-12)
+
+
+def pressed(history: History) -> History:
+    """The first stop pressed by a tip at D + A sin(omega t), which never leaves it."""
+
+    def field(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        return history.field(x, t, dx, dt) + (DEPTH if dx == dt == 0 else 0.0)
+
+    stop = Stop(x=1.0, side="top", gap=-GAP, stiffness=STIFFNESS)
+    peak = STIFFNESS * (DEPTH + GAP + AMPLITUDE)
+    only = Contact(0, 0.0, 1.0, STIFFNESS * (DEPTH + GAP), peak, open_start=True, open_end=True)
+    closed = (ContactState((0,)),)
+    problem = history.problem.replace(stops=(stop,))
+    return replace(
+        history,
+        problem=problem,
+        switch_times=np.zeros(0),
+        states=closed,
+        contacts=(only,),
+        field=field,
+        highest_mode=OMEGA,
+    )
+
+
+def test_a_stop_that_is_pressed_all_the_time_has_its_force_in_every_unit(history: History) -> None:
+    """In units of a quarter of a period, from an eighth on: however the motion is cut in stretches."""
+    for times in ([], [0.3, 0.55]):
+        collector = Collector(selection(pressed(history).problem), 0.125, 1.0, 7, RATE)
+        for part in cut(pressed(history), times):
+            collector.take(part)
+        sums = collector.finish()
+        edges = np.linspace(0.125, 1.0, 8)
+        wave = -np.diff(np.cos(OMEGA * edges)) * AMPLITUDE / OMEGA
+        exact = STIFFNESS * ((DEPTH + GAP) * 0.125 + wave)
+        # Impulses of contacts that the ends of stretches cut are trapezoids here.
+        assert sums.impulse[:, 0] == pytest.approx(exact, rel=1e-6 if times else 1e-12)
+        assert sums.time_in_contact[:, 0] == pytest.approx(0.125)
+        top = np.max(np.sin(OMEGA * np.array(list(pairwise(edges)))), axis=1)  # both turns are at edges
+        assert sums.force_peak[:, 0] == pytest.approx(STIFFNESS * (DEPTH + GAP + AMPLITUDE * top), rel=1e-5)
+        assert not sums.contacts.any()
+        assert not sums.counts.any()
 
 
 def test_units_add_up_to_the_whole(history: History) -> None:

@@ -15,7 +15,7 @@ from validation.verdict import Verdict
 def test_both_solvers_give_every_contact_as_the_closed_form_does() -> None:
     result = sdnd102.run("quick", lambda _: None)
     assert result.verdict is Verdict.AGREE
-    assert len(result.checks) == 2 * 5 * 10
+    assert len(result.checks) == 2 * 2 * 5 * 10
 
 
 def test_the_closed_form_is_what_small_steps_give() -> None:
@@ -49,3 +49,18 @@ def test_another_wall_disagrees(changed: dict[str, object], monkeypatch: pytest.
     monkeypatch.setattr(sdnd102, "beam", wrong)
     monkeypatch.setattr(sdnd102, "DURATION", 0.6)
     assert sdnd102.run("quick", lambda _: None).verdict is Verdict.DISAGREE
+
+
+def test_an_image_that_moves_otherwise_disagrees(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = sdnd102.mirrored
+
+    def wrong(mass: MassBesideWall, bending_stiffness: float) -> Problem:
+        problem = right(mass, bending_stiffness)
+        image, own = problem.beams
+        return problem.replace(beams=(image.model_copy(update={"base_share": -0.999}), own))
+
+    monkeypatch.setattr(sdnd102, "mirrored", wrong)
+    monkeypatch.setattr(sdnd102, "DURATION", 0.6)
+    different = [item.name for item in sdnd102.run("quick", lambda _: None).checks if item.verdict is Verdict.DISAGREE]
+    assert different
+    assert all("mirror" in name for name in different)
