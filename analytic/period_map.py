@@ -37,8 +37,9 @@ from lapjoint.errors import InputError
 from lapjoint.machine.one_thread import in_one_thread
 from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
-from lapjoint.orbits.period_map import ROUNDED, Derivative, Followed, Linearised, Passage, period_pieces
+from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import BaseMotion, FloatArray, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.problem.forces import base_acceleration
 from lapjoint.problem.symmetry import stop_twins
 from lapjoint.solver import Progress

@@ -33,7 +33,6 @@ from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import excitation_change
 from lapjoint.orbits.period_map import (
     LEAST_GROWTH,
-    ROUNDED,
     Derivative,
     Followed,
     Linearised,
@@ -42,6 +41,7 @@ from lapjoint.orbits.period_map import (
     rescaled,
 )
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.problem.problem import resting
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress

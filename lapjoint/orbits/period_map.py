@@ -199,9 +199,6 @@ class PeriodMap(Protocol):
         """
 
 
-ROUNDED = 1e-14
-"""Rate of decay of modes that damping couples, divided by their fastest rate, below which it is rounding: the mode then
-is undamped."""
 MOST_PIECES = 10_000_000
 """Largest number of periods of a march whose motion is stored: more periods would take hours, and all memory."""
 

@@ -12,8 +12,8 @@ from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
 from lapjoint.answers.modes import Modes
 from lapjoint.errors import InputError
-from lapjoint.orbits.period_map import ROUNDED
 from lapjoint.problem import FloatArray, ModalDamping, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.solver import Progress, Solver, Streams
 from lapjoint.summaries.collector import Collector
 from lapjoint.summaries.quantities import Selection
