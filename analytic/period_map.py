@@ -39,6 +39,7 @@ from lapjoint.orbits.displaced import StaticShapes
 from lapjoint.orbits.parameters import AMPLITUDE, FREQUENCY, change_with
 from lapjoint.orbits.period_map import Derivative, Followed, Linearised, Passage, period_pieces
 from lapjoint.problem import BaseMotion, FloatArray, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.problem.forces import base_acceleration
 from lapjoint.problem.symmetry import stop_twins
 from lapjoint.solver import Progress
@@ -78,7 +79,8 @@ class PeriodMap:
         """Least damping rate zeta omega of a mode of the joint without contact, 1/s; 0 without damping."""
         it = self.joint.coupled(FREE)
         damping_rate = self.joint.modal(FREE).damping_rate if it is None else it.damping / 2
-        return float(damping_rate[damping_rate > 0].min()) if (damping_rate > 0).any() else 0.0
+        rounding = 0.0 if it is None else ROUNDED * float(np.abs(it.roots).max())
+        return float(damping_rate[damping_rate > rounding].min()) if (damping_rate > rounding).any() else 0.0
 
     def retuned(self, field: str, value: float, problem: Callable[[], Problem]) -> PeriodMap | None:
         """The map with another amplitude or frequency, if a sine of the base alone drives the beam.

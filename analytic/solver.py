@@ -32,6 +32,14 @@ LEAST_FINER = 1.2
 """Least such ratio with which errors are estimated, where the limit on modes leaves room for no more."""
 ORDER = 4.0
 """Least power of the number of modes with which errors of impulses fall; mostly it is the sixth."""
+ORDER_OF_LINKS = (3.0, 1.0)
+"""The same powers where dampers of links resist displacements, and slopes: modes that are left out yield to a damper by
+a part of the displacement that falls with the third power of their number, and of the slope with the first."""
+
+
+def order_of(problem: Problem) -> float:
+    """The least power of the number of modes with which errors of a problem fall."""
+    return min([ORDER, *(ORDER_OF_LINKS[it.derivative] for it in problem.structure.dampers)])
 
 
 @dataclass(frozen=True)
@@ -304,7 +312,7 @@ class Solver:
         def march() -> History:
             return answers.simulate(problem, finer.name, finer.mode_counts(problem), duration, None, side=BELOW)
 
-        return with_contact_errors(motion, Refinement(finer.name, ratio, ORDER), march)
+        return with_contact_errors(motion, Refinement(finer.name, ratio, order_of(problem)), march)
 
     def resolving(self, problems: Iterable[Problem]) -> Solver:
         """The same solver with the numbers of modes that the hardest of some problems needs.
@@ -339,7 +347,7 @@ class Solver:
         from lapjoint.orbits.refinement import Refinement
 
         found = self._finer(self.mode_counts(problem))
-        return None if found is None else (Refinement(found[0].name, found[1], ORDER), found[0])
+        return None if found is None else (Refinement(found[0].name, found[1], order_of(problem)), found[0])
 
     def period_map(self, problem: Problem) -> PeriodMap:
         """The motion of a problem from section point to section point; see `lapjoint.orbits.PeriodMap`.

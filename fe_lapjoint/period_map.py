@@ -16,6 +16,7 @@ from itertools import islice
 import numpy as np
 
 from fe_lapjoint.march.arcs import Arcs
+from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.field import history_of
 from fe_lapjoint.march.initial import initial_coordinates, initial_state
 from fe_lapjoint.march.march import March, longest_window, march, require_room, window_of
@@ -40,6 +41,7 @@ from lapjoint.orbits.period_map import (
     rescaled,
 )
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.problem.problem import resting
 from lapjoint.problem.symmetry import mirror_twins
 from lapjoint.solver import Progress
@@ -79,8 +81,11 @@ class PeriodMap:
     @cached_property
     def lowest_damping_rate(self) -> float:
         """Least positive damping rate zeta omega of the modes of the joint without contact, 1/s; 0 without damping."""
-        damping_rate = self.model.system(FREE).damping_rate
-        return float(damping_rate[damping_rate > 0].min(initial=math.inf)) if (damping_rate > 0).any() else 0.0
+        system, rounding = self.model.system(FREE), 0.0
+        damping_rate = system.damping_rate
+        if isinstance(system, Coupled):
+            damping_rate, rounding = -system.free.rates.real, ROUNDED * float(np.abs(system.free.rates).max())
+        return float(damping_rate[damping_rate > rounding].min()) if (damping_rate > rounding).any() else 0.0
 
     @cached_property
     def _twins(self) -> tuple[int, ...] | None:

@@ -4,7 +4,8 @@ This witness is independent of the solvers: it knows the problem, and evaluates 
 does not know how they were computed.
 
 - energy: d/dt (kinetic + bending + springs and links) = power of base inertia and loads - dissipation.  Under viscous
-  damping dissipation is C int z_t^2 dx.  Under modal damping it is not local, and only its sign can be checked;
+  damping dissipation is the integral of C z_t^2, and that of a link's damper c times the squared rate of what it
+  sees.  Under modal damping it is not local, and only its sign can be checked;
 - force law and gaps: every stop that is closed by the contact state is pressed, and no other stop is;
 - momentum: the stated impulses of the stops, and all other forces, add up to the change of momentum, and of angular
   momentum; see `validation.momentum`;
@@ -25,8 +26,8 @@ from dataclasses import replace
 import numpy as np
 
 from lapjoint.answers import Contact, History
-from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
-from validation.momentum import momentum_applies, momentum_balance, stretch
+from lapjoint.problem import FloatArray, ModalDamping
+from validation.momentum import damping_along, momentum_applies, momentum_balance, stretch
 from validation.motion_integrals import along_beams, applied, first_panel, panels, time_integral
 from validation.verdict import Criterion
 
@@ -69,7 +70,8 @@ def energy(history: History, t: FloatArray) -> FloatArray:
 
 
 def power(history: History, t: FloatArray) -> FloatArray:
-    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus viscous dissipation.
+    """Power of base inertia, of loads, of damped stops and of stops fixed in space, minus the dissipation of viscous
+    damping and of dampers in links.
 
     Parameters
     ----------
@@ -95,9 +97,11 @@ def power(history: History, t: FloatArray) -> FloatArray:
     )
     for stop, force, of_beams, of_base in moved:
         total += force * of_beams if stop.damping > 0 else -force * of_base
-    if isinstance(problem.damping, ViscousDamping):
-        total -= problem.damping.coefficient * (w @ velocity**2)
-    return total
+    for link in problem.structure.links:
+        for dx, c in enumerate((link.damping, link.torsional_damping)):
+            if c > 0:
+                total -= c * stretch(history, link, t, dx, dt=1) ** 2
+    return total - (w * damping_along(problem, x)) @ velocity**2
 
 
 def impulse_of(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:

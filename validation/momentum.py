@@ -30,10 +30,20 @@ _ALIGNED = 1e-12
 """Largest difference of two positions of one x, divided by half of the extent of the beams: rounding."""
 
 
-def stretch(history: History, link: PlacedLink, t: FloatArray, dx: int) -> FloatArray:
-    """The second beam's displacement, m, or slope, less the first one's, at a link, ``(m,)``."""
-    first, second = (history.evaluate(x, t, dx=dx)[0] for x in (link.first, link.second))
+def stretch(history: History, link: PlacedLink, t: FloatArray, dx: int, dt: int = 0) -> FloatArray:
+    """The second beam's displacement, m, or slope, less the first one's, at a link, or a rate of it, ``(m,)``."""
+    first, second = (history.evaluate(x, t, dx=dx, dt=dt)[0] for x in (link.first, link.second))
     return np.asarray(second - first)
+
+
+def damping_along(problem: Problem, x: FloatArray) -> FloatArray:
+    """Viscous damping at positions on the line, m, N s/m2: that of the problem, and of each beam its own; ``(n,)``."""
+    everywhere = problem.damping.coefficient if isinstance(problem.damping, ViscousDamping) else 0.0
+    found, line = np.zeros(x.size), problem.line
+    for start, end, beam in zip(line.starts, line.ends, line.beams, strict=True):
+        own = beam.viscous_damping if isinstance(beam, NamedBeam) else 0.0
+        found += (everywhere + own) * ((x > start) & (x < end))
+    return found
 
 
 @dataclass(frozen=True)
@@ -171,9 +181,10 @@ def _balance(history: History, body: _Body, tolerance: float) -> list[Criterion]
                     total -= link.translational * lever * stretch(history, link, t, 0)
                 if math.isfinite(link.torsional) and link.torsional * turned:
                     total -= link.torsional * turned * stretch(history, link, t, 1)
-            if isinstance(problem.damping, ViscousDamping):
-                total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
-            return total
+                for dx, c in enumerate((link.damping * lever, link.torsional_damping * turned)):
+                    if c:
+                        total -= c * stretch(history, link, t, dx, dt=1)
+            return total - (w * damping_along(problem, x) * arm(x)) @ history.evaluate(x, t, dt=1)
 
         ends = (w * inertia * arm(x)) @ history.evaluate(x, both, dt=1)
         for mass in structure.masses:

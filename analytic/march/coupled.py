@@ -7,7 +7,7 @@ In the modes of the closed stops, of frequencies omega_i and values phi_ik at st
     K = diag(omega_i^2) - sum over released stops of k_k phi_k phi_k^T,
 
 because a pressing stop adds its damper, and a released stop takes back its spring, which the modes contain.  D_0 is
-diag(2 zeta_i omega_i), or the matrix of `analytic.march.drag` where viscous damping couples the modes of all states.
+diag(2 zeta_i omega_i), and the matrix of `analytic.march.drag` where damping couples the modes of all states.
 The shapes that the modes leave out move with the loads; their share of damper and spring forces belongs to f.
 
 Each pair of roots lambda of the homogeneous equation is one oscillator.  With the amplitude a(t) of its eigenvector,
@@ -50,6 +50,9 @@ from lapjoint.problem import FloatArray, Problem
 _RIGID = 1e-8
 """Squared frequency, relative to those of the modes, below which a state counts as free to move: the restoring force
 then is below 1e-8 of the spring's, and answers to constant loads keep half of their digits above it."""
+_UNDAMPED = 1e-12
+"""Damping of a motion that no spring holds, relative to the largest of such motions, below which it is rounding: the
+motion then drifts."""
 _NEARLY_DOUBLE = 3e6
 """Condition number of the eigenvectors above which the damping is changed a little: results then keep nine digits."""
 _LITTLE = 1e-13
@@ -127,8 +130,8 @@ def kept_by_force(problem: Problem, state: ContactState) -> set[int]:
 
 
 def is_coupled(problem: Problem, state: ContactState) -> bool:
-    """Whether a damped stop is closed, or viscous damping couples the modes of every state."""
-    return problem.structure.coupling_drag > 0 or any(problem.structure.stops[k].damping > 0 for k in state.closed)
+    """Whether a damped stop is closed, or damping couples the modes of every state."""
+    return problem.structure.couples or any(problem.structure.stops[k].damping > 0 for k in state.closed)
 
 
 def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[ComplexArray, FloatArray, FloatArray]:
@@ -146,13 +149,14 @@ def oscillators(D: FloatArray, K: FloatArray, scale: FloatArray) -> tuple[Comple
     turned[:r] = turned[:, :r] = 0.0
     n = K.shape[0] - r
     least = np.concatenate([np.full(r, scale.min()), np.sqrt(np.maximum(np.diag(turned)[r:], scale.min() ** 2))])
-    if np.abs(drag[:r]).max() > 1e-13 * scale.min():
-        roots, to, back = _of_stiff(drag, turned, least, r)
-    else:
-        roots, to, back = np.zeros((r, 2), dtype=complex), np.eye(2 * r), np.eye(2 * r)
-        if n:
-            others, its, inverse = _of_stiff(drag[r:, r:], turned[r:, r:], least[r:], 0)
-            roots, to, back = np.concatenate([roots, others]), _beside(to, its), _beside(back, inverse)
+    damping, directions = np.linalg.eigh(drag[:r, :r])
+    free = int(np.count_nonzero(damping <= max(_UNDAMPED * damping.max(), 1e-13 * scale.min())))
+    turn = scipy.linalg.block_diag(directions, np.eye(n))
+    B, drag = B @ turn, turn.T @ drag @ turn
+    roots, to, back = np.zeros((free, 2), dtype=complex), np.eye(2 * free), np.eye(2 * free)
+    if free < K.shape[0]:
+        others, its, inverse = _of_stiff(drag[free:, free:], turned[free:, free:], least[free:], r - free)
+        roots, to, back = np.concatenate([roots, others]), _beside(to, its), _beside(back, inverse)
     both = scipy.linalg.block_diag(B, B)
     return roots, both @ to, back @ both.T
 
@@ -214,7 +218,7 @@ def free_oscillators(
     scale = np.where(omega > 0, omega, omega[omega > 0].min(initial=np.inf))
     scale = np.where(np.isfinite(scale), scale, np.sqrt(problem.line.EI / problem.line.m) / problem.line.length**2)
     K, coupling = np.diag(omega**2), np.zeros((n, n))
-    if problem.structure.coupling_drag > 0:
+    if problem.structure.couples:
         coupling += drag_of(loaded, closed, count).D
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]
@@ -268,7 +272,7 @@ def coupled(
     problem, closed, n = loaded.problem, ContactState(state.closed), count
     modal = modal_state(loaded, closed, count)
     f = (modal.force * sizes[:, None]).astype(complex)
-    if problem.structure.coupling_drag > 0:
+    if problem.structure.couples:
         f -= turning[:, None] * drag_of(loaded, closed, count).left_out * sizes[:, None]
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]

@@ -1,16 +1,19 @@
-r"""Viscous damping that couples the modes, because the joint has masses or a mass per length that changes.
+r"""Viscous damping that couples the modes: along beams whose inertia is not in proportion to it, and in links.
 
-A force -C z_t per unit length acts on mode i by
+A force -C z_t per unit length, and dampers c between two deflections or slopes, act on mode i by
 
-    -(Phi_i, C z_t) = -sum_j D_ij q_j' - sum_l d_li f_l'(t),    D_ij = C integral of Phi_i Phi_j,
-                                                                d_li = C integral of Phi_i r_l,
+    -sum_j D_ij q_j' - sum_l d_li f_l'(t),    D_ij = integral of C Phi_i Phi_j + sum over dampers of c R(Phi_i) R(Phi_j)
+                                              d_li = integral of C Phi_i r_l   + sum over dampers of c R(Phi_i) R(r_l)
 
-because the shapes r_l that the modes leave out move with the loads f_l, see `analytic.modes.static_residual`.
+where R is the difference that a damper sees.  The shapes r_l that the modes leave out move with the loads f_l, see
+`analytic.modes.static_residual`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+
+import numpy as np
 
 from analytic.march.modal_state import LoadedStructure, modal_state
 from analytic.modes.normal_modes import pool_size
@@ -42,7 +45,13 @@ def drag_of(loaded: LoadedStructure, state: ContactState, count: int) -> Drag:
 @cached(_STATES)
 def _drag(loaded: LoadedStructure, state: ContactState, count: int) -> Drag:
     """The viscous force on the modes, and in place of `Drag.left_out` that of the foundation shapes."""
-    modal, C = modal_state(loaded, state, count), loaded.problem.structure.coupling_drag
-    shapes, foundation = modal.modes.shapes, modal.residual.foundation
-    D = C * overlaps(shapes, shapes)
-    return Drag((D + D.T) / 2, C * (overlaps(foundation.solutions, shapes) + overlaps(foundation.constants, shapes)))
+    modal, structure = modal_state(loaded, state, count), loaded.problem.structure
+    shapes, foundation, pieces = modal.modes.shapes, modal.residual.foundation, structure.coupling_drag
+    D = overlaps(shapes, shapes, pieces)
+    left_out = overlaps(foundation.solutions, shapes, pieces) + overlaps(foundation.constants, shapes, pieces)
+    for it in structure.dampers:
+        ends = np.array([it.first, it.second])
+        moved, rest = (np.diff(of(ends, it.derivative))[:, 0] for of in (shapes, foundation))
+        D += it.damping * np.outer(moved, moved)
+        left_out += it.damping * np.outer(rest, moved)
+    return Drag((D + D.T) / 2, left_out)

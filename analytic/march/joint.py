@@ -99,7 +99,7 @@ class Joint:
         """See `analytic.march.loads.Excitation`."""
         self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
         """Number of sampled loads."""
-        self.damped = self.loaded.problem.structure.coupling_drag > 0 or self.loaded.damped
+        self.damped = self.loaded.problem.structure.couples or self.loaded.damped
         """Whether damping couples the modes of a state; see `analytic.march.coupled`."""
         self.turning = np.concatenate([[0.0], 1j * self.harmonics.omega, np.full(self.sampled, SAMPLED)])
         """The time derivative of each load divided by it, 1/s, shape ``(1 + H + R,)``; see `SAMPLED`."""

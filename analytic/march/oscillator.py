@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.compiling import njit_called, njit_inner
-from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem
 
 OSCILLATING, SPLIT, DRIFTING = 0, 1, 2
 """How a mode moves freely: with two complex roots, with two real roots, or as an undamped rigid body, both roots 0."""
@@ -32,14 +32,10 @@ error is 1e-7 of the static deflection.  The phase is off by at most 2e-8 of its
 def damping_rates(problem: Problem, omega: FloatArray) -> FloatArray:
     """Damping rates zeta_i omega_i, 1/s, of modes (34) with angular frequencies `omega`, rad/s, shape ``(N,)``.
 
-    They are 0 where viscous damping couples the modes: `analytic.march.drag` has its matrix.
+    Damping that couples the modes is not among them: `analytic.march.drag` has its matrix.
     """
-    damping = problem.damping
-    if isinstance(damping, ModalDamping):
-        return damping.ratios(omega.size) * omega
-    if problem.structure.coupling_drag or not isinstance(damping, ViscousDamping):
-        return np.zeros(omega.size)
-    return np.full(omega.size, damping.coefficient / (2 * problem.line.m))
+    damping, even = problem.damping, problem.structure.even_decay
+    return (damping.ratios(omega.size) * omega if isinstance(damping, ModalDamping) else np.zeros(omega.size)) + even
 
 
 @njit_inner()

@@ -341,7 +341,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
     """
     steps, position = tabulated_steps(problem), stop_positions(problem)
     damped = [k for k, stop in enumerate(problem.structure.stops) if stop.damping > 0]
-    may_couple = bool(damped) or problem.structure.coupling_drag > 0
+    may_couple = bool(damped) or problem.structure.couples
     rows = [*problem.structure.stops, *(problem.structure.stops[k] for k in damped)]
     places = int(position.max(initial=-1)) + 1
     position = np.concatenate([position, places + np.arange(len(damped))])

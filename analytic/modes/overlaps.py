@@ -1,4 +1,4 @@
-"""Integrals of products of beam functions along the beam, without the weight of mass, in closed form.
+"""Integrals of products of beam functions along pieces of the beams, without the weight of mass, in closed form.
 
 A viscous force C z_t per unit length takes them: it does not act on lumped masses, and is the same where the mass per
 length changes, so that modes, which are orthogonal with the mass, are not orthogonal here.  Boundary terms over the
@@ -13,34 +13,45 @@ polynomial and waves that are as long, by Gauss points; and a polynomial and sho
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from analytic.modes.beam_functions import NEAR, BeamFunctions, gauss, waves_waves
 from lapjoint.problem import FloatArray
 
 
-def overlaps(f: BeamFunctions, g: BeamFunctions) -> FloatArray:
-    """Integrals of f_i g_j along the beam, m times the units of both, ``(n_f, n_g)``."""
+def overlaps(f: BeamFunctions, g: BeamFunctions, pieces: Sequence[tuple[float, float, float]]) -> FloatArray:
+    """Integrals of C f_i g_j, m times the units of all, ``(n_f, n_g)``; `pieces` are the start and end, m, of those
+    along which C is not 0, and C; nodes of f or g are at their ends."""
     nodes = np.union1d(f.nodes, g.nodes)
     f, g = f.on(nodes), g.on(nodes)
     total = np.zeros((f.p.shape[0], g.p.shape[0]))
     bent_f, bent_g = (np.asarray(it.p.any(axis=2)) for it in (f, g))
-    for s in range(nodes.size - 1):
+    for s, C in enumerate(_along(nodes, pieces)):
+        if not C:
+            continue
         a, b = _fourth_powers(f, s)[:, None], _fourth_powers(g, s)[None, :]
         close = np.abs(a - b) <= NEAR * np.maximum(np.abs(a), np.abs(b))
         one, other = bent_f[:, s, None], bent_g[None, :, s]
         waves = ~one & ~other
         if waves.any():
             rows, columns = np.nonzero(waves)
-            total[rows, columns] += waves_waves(f, rows, g, columns, s)
+            total[rows, columns] += C * waves_waves(f, rows, g, columns, s)
         pointed = (one & other) | (~waves & close)
         if pointed.any():
             x, weights = gauss(float(nodes[s]), float(nodes[s + 1]))
-            total += np.where(pointed, (f(x) * weights) @ g(x).T, 0.0)
+            total += C * np.where(pointed, (f(x) * weights) @ g(x).T, 0.0)
         ended = ~waves & ~pointed
         if ended.any():
-            total += np.where(ended, _between_ends(f, g, s) / np.where(ended, a - b, 1.0), 0.0)
+            total += C * np.where(ended, _between_ends(f, g, s) / np.where(ended, a - b, 1.0), 0.0)
     return total
+
+
+def _along(nodes: FloatArray, pieces: Sequence[tuple[float, float, float]]) -> list[float]:
+    """C on each span between nodes, m, ``(S + 1,)``."""
+    middle = (nodes[:-1] + nodes[1:]) / 2
+    return [sum(C for start, end, C in pieces if start < x < end) for x in middle.tolist()]
 
 
 def _fourth_powers(f: BeamFunctions, s: int) -> FloatArray:

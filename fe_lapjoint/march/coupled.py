@@ -4,10 +4,10 @@ In the modes of the mesh with the springs that act, frequencies omega_i and valu
 
     q'' + D q' + omega^2 q = f(t),    D = C + sum over pressing damped stops of c_k phi_k phi_k^T.
 
-A stop that has let go has no spring here.  C is that of the problem.  If damping is the same in all states, it is 2 a
-of each mode, or a full matrix if viscous damping couples the modes, which then are coupled in all states.  Under modal
-damping it belongs to the modes of all closed stops, and a stop that has let go is still closed, so that C = S (2 a) S^T
-with the map S between both sets of modes.
+A stop that has let go has no spring here.  C is that of the problem.  It is 2 a of each mode, and a full matrix beside
+it if viscous damping or dampers of links couple the modes, which then are coupled in all states.  Under modal damping,
+2 a belongs to the modes of all closed stops, and a stop that has let go is still closed, so that S (2 a) S^T takes its
+place, with the map S between both sets of modes.
 
 The matrix of (omega q, q') has its own eigenvalues r and eigenvectors, and a motion without loads is the real part of a
 sum of c exp(r s), with one term for each pair of complex eigenvalues and one for each real one.  Rigid-body modes are
@@ -40,6 +40,9 @@ from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop
 
+_STILL = 1e-12
+"""Damping of a rigid-body motion, relative to the largest of such motions, below which it is rounding: the motion then
+has none."""
 _SKEW = 3e6
 """Condition number of the eigenvectors from which on results keep fewer than nine digits: two of them nearly coincide.
 """
@@ -93,8 +96,13 @@ def _kept_exponentials(*numbers: bytes) -> Exponentials:
 
 def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float]:
     """`exponentials` of a matrix D, and the condition number of the eigenvectors."""
-    n = omega.size
-    bends, dragged = omega > 0, np.any(D != 0, axis=0)
+    n, bends = omega.size, omega > 0
+    if bends.all():
+        turn, dragged = None, bends
+    else:
+        turn, dragged = rigid_directions(omega, D)
+        D = turn.T @ D @ turn
+        D[~bends & ~dragged] = D[:, ~bends & ~dragged] = 0.0
     e, moving = np.flatnonzero(bends), np.flatnonzero(bends | dragged)
     s, m = omega[e], e.size
     A = np.zeros((m + moving.size, m + moving.size))
@@ -112,14 +120,25 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     modes[moving], speeds[moving] = vectors[m:] / rates, vectors[m:]
     modes[e] = vectors[:m] / s[:, None]
     back[:, e], back[:, n + moving] = inverse[:, :m] * s, inverse[:, m:]
-    if bends.all():
+    if turn is None:
         return Exponentials(rates, modes, speeds, back, None), skew
     rest, rigid = np.zeros((2, n, 2 * n)), np.flatnonzero(~bends)
     rest[0, rigid] = -(modes[rigid] @ back).real
     rest[0, rigid, rigid] += 1.0
     alone = np.flatnonzero(~bends & ~dragged)
     rest[1, alone, n + alone] = 1.0
-    return Exponentials(rates, modes, speeds, back, rest), skew
+    both = scipy.linalg.block_diag(turn, turn)
+    turned, rate = (np.asarray(turn @ of, dtype=complex) for of in (modes, speeds))
+    return Exponentials(rates, turned, rate, back @ both.T, turn @ rest @ both.T), skew
+
+
+def rigid_directions(omega: FloatArray, D: FloatArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
+    """An orthogonal matrix, ``(n, n)``, that turns the rigid-body modes into motions each of which is damped or not,
+    and whether each mode bends or is damped, ``(n,)``: a motion that no damper resists is in no damping force."""
+    rigid, turn, dragged = np.flatnonzero(omega == 0), np.eye(omega.size), np.ones(omega.size, dtype=bool)
+    damping, turn[np.ix_(rigid, rigid)] = np.linalg.eigh(D[np.ix_(rigid, rigid)])
+    dragged[rigid] = damping > _STILL * max(damping.max(), _STILL * np.abs(D).max())
+    return turn, dragged
 
 
 def _amplitudes_of(vectors: ComplexArray, ring: npt.NDArray[np.bool_]) -> ComplexArray:
@@ -185,10 +204,11 @@ class Coupled(System):
     def steady(self) -> FloatArray:
         """Displacement, speed, and half the acceleration under the constant forces, shape ``(n, 3)``."""
         made, f, rigid = np.zeros((self.omega.size, 3)), self.constant, self.omega == 0
-        dragged = np.flatnonzero(rigid & np.any(self.D != 0, axis=0))
-        made[dragged, 1] = np.linalg.solve(self.D[np.ix_(dragged, dragged)], f[dragged])
-        made[:, 2] = np.where(rigid, f, 0.0) / 2
-        made[dragged, 2] = 0.0
+        if rigid.any():
+            turn, damped = rigid_directions(self.omega, self.D)
+            drifting, dragged = turn[:, rigid & ~damped], turn[:, rigid & damped]
+            made[:, 1] = dragged @ np.linalg.solve(dragged.T @ self.D @ dragged, dragged.T @ f)
+            made[:, 2] = drifting @ (drifting.T @ f) / 2
         made[:, 0] = np.where(rigid, 0.0, (f - self.D @ made[:, 1]) / np.where(rigid, 1.0, self.omega) ** 2)
         return made
 

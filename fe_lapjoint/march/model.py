@@ -8,7 +8,7 @@ import numpy as np
 
 from fe_lapjoint.march.coupled import Coupled, coupled_system, searched_rows
 from fe_lapjoint.march.ramp_tables import Knots, RampForm, knots_of, ramp_form
-from fe_lapjoint.march.system import IndexArray, System, build_system, drag_on, under_other_loads
+from fe_lapjoint.march.system import IndexArray, System, build_system, drag_on, own_rates, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
@@ -48,8 +48,8 @@ class Model:
         self.stiffness = np.array([stop.stiffness for stop in stops], dtype=float)
         self.damped = tuple(k for k, stop in enumerate(stops) if stop.damping > 0)
         """The damped stops, each of which has a second gap function, of its force; see `fe_lapjoint.march.coupled`."""
-        self.drags = self.problem.structure.coupling_drag > 0
-        """Whether viscous damping couples the modes of all states."""
+        self.drags = self.problem.structure.couples
+        """Whether viscous damping, or dampers of links, couple the modes of all states."""
 
     def driven(self, problem: Problem) -> Model:
         """This mesh, with all its matrices, for a problem with another size or frequency of the excitation."""
@@ -79,11 +79,10 @@ class Model:
     def _coupled(self, state: ContactState) -> Coupled:
         """A contact state whose modes are coupled."""
         base, closed = self.undamped(state), state.pressed
-        drag = drag_on(self.assembly, base.vectors)
-        own = np.diag(2 * base.damping_rate) if drag is None else np.zeros_like(drag)
+        drag, own = drag_on(self.assembly, base.vectors), np.diag(2 * own_rates(self.problem, base.omega))
         if state.released and isinstance(self.problem.damping, ModalDamping):
             S = self.transfer(closed, state)
-            own = S @ np.diag(2 * self.undamped(closed).damping_rate) @ S.T
+            own = S @ np.diag(2 * own_rates(self.problem, self.undamped(closed).omega)) @ S.T
         alike = None if self._alike is None else self._alike.system(state)
         assert alike is None or isinstance(alike, Coupled)
         return coupled_system(base, state, self.problem.structure.stops, own, drag, alike)

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import eigenmodes
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem
 from lapjoint.problem.excitation import Wave
 from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.ramps import RampBlocks
@@ -483,17 +483,17 @@ def _springs(assembly: Assembly, state: ContactState) -> FloatArray:
 
 
 def drag_on(assembly: Assembly, vectors: FloatArray) -> FloatArray | None:
-    """The damping matrix, 1/s, ``(n, n)``, of modes that viscous damping couples; None where it does not."""
-    C = assembly.problem.structure.coupling_drag
-    return C * (vectors.T @ assembly.drag @ vectors) if C > 0 else None
+    """The damping matrix, 1/s, ``(n, n)``, of damping that couples modes in all states; None without any."""
+    return vectors.T @ assembly.drag @ vectors if assembly.problem.structure.couples else None
+
+
+def own_rates(problem: Problem, omega: FloatArray) -> FloatArray:
+    """Damping rates, 1/s, of modes of frequencies `omega`, rad/s, ``(n,)``, by the damping that couples no modes."""
+    damping, even = problem.damping, problem.structure.even_decay
+    return (damping.ratios(omega.size) * omega if isinstance(damping, ModalDamping) else np.zeros(omega.size)) + even
 
 
 def _damping_rates(assembly: Assembly, omega: FloatArray, vectors: FloatArray) -> FloatArray:
     """See `System.damping_rate`."""
-    damping, drag = assembly.problem.damping, drag_on(assembly, vectors)
-    if isinstance(damping, ModalDamping):
-        return damping.ratios(omega.size) * omega
-    if drag is not None:
-        return np.asarray(np.diag(drag) / 2)
-    coefficient = damping.coefficient if isinstance(damping, ViscousDamping) else 0.0
-    return np.full(omega.size, coefficient / (2 * assembly.problem.line.m))
+    own, drag = own_rates(assembly.problem, omega), drag_on(assembly, vectors)
+    return own if drag is None else own + np.diag(drag) / 2

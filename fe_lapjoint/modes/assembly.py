@@ -131,13 +131,18 @@ class Assembly:
 
     @cached_property
     def drag(self) -> FloatArray:
-        """Integrals of products of shape functions along the beam, m, ``(n, n)``: a viscous force of 1 N s/m2."""
-        L, unit = self.problem.line.length, unit_element()[1]
-        drag = np.zeros((2 * self.nodes.size, 2 * self.nodes.size))
+        """Damping that couples the modes, N s/m, ``(n, n)``: viscous along the beams, and dampers of links."""
+        L, unit, structure = self.problem.line.length, unit_element()[1], self.problem.structure
+        drag, middle = np.zeros((2 * self.nodes.size, 2 * self.nodes.size)), (self.nodes[:-1] + self.nodes[1:]) / 2
         for e, h in enumerate(np.diff(self.nodes)):
             here, scale = slice(2 * e, 2 * e + 4), np.array([1.0, h / L, 1.0, h / L])
-            drag[here, here] += (not self._empty[e]) * h * unit * np.outer(scale, scale)
-        return self._of_free(drag)
+            C = sum(C for start, end, C in structure.coupling_drag if start < middle[e] < end)
+            drag[here, here] += C * h * unit * np.outer(scale, scale)
+        found = self._of_free(drag)
+        for it in structure.dampers:
+            row = self.reading(it.second, it.derivative) - self.reading(it.first, it.derivative)
+            found += it.damping / L ** (2 * it.derivative) * np.outer(row, row)
+        return found
 
     def load(self, shape: LoadShape) -> FloatArray:
         """The load vector, ``(n,)``, of a load of size 1; read-only."""

@@ -183,6 +183,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     _name_stops(page, plan)
     _name_masses(page, plan)
     _say_supports(page, plan)
+    _say_links(page, plan)
     return axes
 
 
@@ -247,7 +248,7 @@ def _draw_coil(page: _Page, x: float, y: float) -> None:
 
 
 def _draw_link(page: _Page, plan: _Plan, link: PlacedLink) -> None:
-    """Springs between two beams, or a bar where they are infinite; a coil beside it resists turning."""
+    """Springs between two beams, or a bar where they are infinite, and a damper beside them; a coil resists turning."""
     (x0, y0), (x1, y1) = ((plan.x(at), plan.y(at)) for at in (link.first, link.second))
     if math.isinf(link.translational) or y0 == y1:
         page.line([x0, x1], [y0, y1], _INK, 2.2)
@@ -255,8 +256,23 @@ def _draw_link(page: _Page, plan: _Plan, link: PlacedLink) -> None:
     elif link.translational:
         low, high = sorted((y0, y1))
         page.spring((x0 + x1) / 2, low + _HALF, high - _HALF, _INK)
-    if link.torsional:
+    if link.damping and y0 != y1:
+        low, high = sorted((y0, y1))
+        _draw_damper(page, (x0 + x1) / 2 - 0.34, low + _HALF, high - _HALF)
+    if link.torsional or link.torsional_damping:
         _draw_coil(page, (x0 + x1) / 2 + 0.4, (y0 + y1) / 2)
+
+
+def _draw_damper(page: _Page, x: float, low: float, high: float) -> None:
+    """A pot that is open above, with a piston in it, between two heights."""
+    middle, deep = (low + high) / 2, 0.2 * (high - low)
+    page.line([x, x], [low, middle - deep], _INK, 0.8)
+    page.line(
+        [x - 0.1, x - 0.1, x + 0.1, x + 0.1], [middle + deep, middle - deep, middle - deep, middle + deep], _INK, 0.8
+    )
+    page.line([x - 0.07, x + 0.07], [middle, middle], _INK, 1.4)
+    page.line([x, x], [middle, high], _INK, 0.8)
+    page.take(x - 0.12, x + 0.12, low, high)
 
 
 def _draw_stop(page: _Page, plan: _Plan, stop: PlacedStop) -> None:
@@ -335,6 +351,17 @@ def _say_supports(page: _Page, plan: _Plan) -> None:
             _ = page.say(x + 0.36, y - 0.75, text) or page.say(x - 0.8, y - 0.75, text, align="right")
         if 0 < support.torsional < math.inf:
             page.say(x + 0.4, y + 0.5, _number("kt", support.torsional, "N m/rad"))
+
+
+def _say_links(page: _Page, plan: _Plan) -> None:
+    """Write dampings beside the links."""
+    for link in plan.problem.structure.links:
+        numbers = [_number("c", link.damping, "N s/m")] if link.damping else []
+        numbers += [_number("ct", link.torsional_damping, "N m s/rad")] if link.torsional_damping else []
+        x, y = (plan.x(link.first) + plan.x(link.second)) / 2, (plan.y(link.first) + plan.y(link.second)) / 2
+        if numbers:
+            text = "\n".join(numbers)
+            _ = page.say(x - 0.5, y, text, align="right") or page.say(x + 0.8, y, text)
 
 
 def _draw_drive(page: _Page, plan: _Plan) -> None:

@@ -9,6 +9,10 @@ from pydantic import Discriminator, Field, Tag
 
 from lapjoint.problem.schema import FloatArray, NonNegative, Part
 
+ROUNDED = 1e-14
+"""Rate of decay of modes that damping couples, divided by their fastest rate, below which it is rounding: the mode then
+is undamped."""
+
 
 def _one_or_each(value: object) -> str:
     return "each" if isinstance(value, list | tuple) else "one"

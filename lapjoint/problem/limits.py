@@ -20,6 +20,7 @@ from lapjoint.problem.damping import ModalDamping, ViscousDamping
 from lapjoint.problem.excitation import AnyBaseMotion, PointLoad, StepLoad
 from lapjoint.problem.initial import AtEquilibrium, AtRest, BeamsStart, PolynomialShape, SampledShape
 from lapjoint.problem.line import Line
+from lapjoint.problem.named_beam import NamedBeam
 from lapjoint.problem.placing import masses_of, supports_of
 from lapjoint.problem.records import Record, RecordBaseMotion
 from lapjoint.problem.schema import FloatArray
@@ -48,6 +49,8 @@ there, and loses two with each factor of ten."""
 _MOST_IN_STOP = 1e4
 """Largest damping of a stop, divided by sqrt(EI m) / L + sqrt(k m L), about the critical damping of the beam on the
 stop: the flow of up to 60 modes then keeps eight digits; the error grows with the damping."""
+_MOST_IN_LINK = 1e4
+"""Largest damping of a link, in the same unit, of the beam of which it is the smaller."""
 _MOST_PHASE = 1e8
 """Largest phase, rad: of a larger phase, whole turns take half of the digits."""
 
@@ -217,17 +220,39 @@ def _of_damping(joint: Structure) -> Iterator[str]:
             if not ratio <= _MOST_DAMPED:
                 path = f"damping.ratio{f'[{i}]' if several else ''}"
                 yield f"{path} = {ratio:g}: must be at most {_MOST_DAMPED:g}; 1 is critical damping"
-    if isinstance(damping, ViscousDamping):
-        critical = 2 * line.m * line.slowest_bending
-        couples = joint.coupling_drag > 0
-        most, beside = (
-            (_MOST_COUPLING, ", where masses or steps of mass couple the modes") if couples else (_MOST_DAMPED, "")
-        )
-        if not damping.coefficient <= most * critical:
+    viscous = {"damping.coefficient": damping.coefficient} if isinstance(damping, ViscousDamping) else {}
+    viscous |= {
+        f"beams[{i}].viscous_damping": beam.viscous_damping
+        for i, beam in enumerate(line.beams)
+        if isinstance(beam, NamedBeam)
+    }
+    critical = 2 * line.m * line.slowest_bending
+    most, beside = (_MOST_COUPLING, ", where damping couples the modes") if joint.couples else (_MOST_DAMPED, "")
+    for path, coefficient in viscous.items():
+        if not coefficient <= most * critical:
             yield (
-                f"damping.coefficient = {damping.coefficient:g}: must be at most {most:g} times the critical "
-                f"damping of the slowest bending, which is {most * critical:.2g} N s/m2{beside}"
+                f"{path} = {coefficient:g}: must be at most {most:g} times the critical damping of the slowest "
+                f"bending, which is {most * critical:.2g} N s/m2{beside}"
             )
+    for i, link in enumerate(joint.links):
+        beams = [line.beams[line.beam_at(x)] for x in (link.first, link.second)]
+        for name, spring, lengths, unit in (
+            ("damping", "translational", 0, "N s/m"),
+            ("torsional_damping", "torsional", 2, "N m s/rad"),
+        ):
+            c, k = getattr(link, name), getattr(link, spring)
+            scale = min(
+                math.sqrt(it.m)
+                * (math.sqrt(it.EI) * it.length ** (lengths - 1) + math.sqrt(k * it.length ** (1 + lengths)))
+                for it in beams
+            )
+            if c and not c <= _MOST_IN_LINK * scale:
+                power = "length" if lengths else "/ length"
+                cube = "^3" if lengths else ""
+                yield (
+                    f"links[{i}].{name} = {c:g}: must be at most {_MOST_IN_LINK:g} times sqrt(EI m) {power} + "
+                    f"sqrt({spring} m length{cube}), which is {_MOST_IN_LINK * scale:.2g} {unit}"
+                )
 
 
 def _of_record(path: str, record: Record) -> Iterator[str]:

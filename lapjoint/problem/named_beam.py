@@ -8,7 +8,7 @@ from pydantic import model_validator
 
 from lapjoint.problem.beam import Beam
 from lapjoint.problem.masses import Mass
-from lapjoint.problem.schema import Finite
+from lapjoint.problem.schema import Finite, NonNegative
 from lapjoint.problem.supports_and_stops import Support
 
 
@@ -25,6 +25,8 @@ class NamedBeam(Beam):
     """Linear springs between this beam and the base, always acting."""
     masses: tuple[Mass, ...] = ()
     """Masses that this beam carries at points."""
+    viscous_damping: NonNegative = 0.0
+    """Viscous damping along this beam alone, N s/m2; it adds to the damping of the problem."""
     base_share: Finite = 1.0
     """How much of the base's motion acts along this beam's z: 1 all, -1 mirrored, 0 none."""
     gravity_share: Finite = 1.0

@@ -81,7 +81,7 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
 def _placed_link(link: Link, line: Line) -> PlacedLink:
     """A link on the line."""
     first, second = (line.at(place) for place in link.between)
-    return PlacedLink(first, second, link.translational, link.torsional)
+    return PlacedLink(first, second, link.translational, link.torsional, link.damping, link.torsional_damping)
 
 
 def uniform_load_shape(load: UniformLoad, line: Line) -> LoadShape:

@@ -63,7 +63,7 @@ class Problem(Part):
     beams: tuple[NamedBeam, ...] = ()
     """Several beams instead of one, each with its supports and masses."""
     links: tuple[Link, ...] = ()
-    """Springs between two beams."""
+    """Springs and dampers between two beams."""
     supports: tuple[Support, ...] = ()
     """Linear springs, always acting; none: a free beam."""
     stops: tuple[Stop, ...] = ()

@@ -29,7 +29,7 @@ _KEPT = 64
 
 @dataclass(frozen=True)
 class PlacedLink:
-    """A link on the line of beams: springs between two positions."""
+    """A link on the line of beams: springs and dampers between two positions."""
 
     first: float
     """Position on the line, m."""
@@ -39,6 +39,24 @@ class PlacedLink:
     """Stiffness between the displacements, N/m, from 0 to inf."""
     torsional: float
     """Stiffness between the slopes, N m/rad, from 0 to inf."""
+    damping: float = 0.0
+    """Damping between the displacements, N s/m."""
+    torsional_damping: float = 0.0
+    """Damping between the slopes, N m s/rad."""
+
+
+@dataclass(frozen=True)
+class Damper:
+    """A viscous damper between two positions on the line of beams."""
+
+    first: float
+    """Position on the line, m."""
+    second: float
+    """Position on the line, m, on another beam."""
+    derivative: int
+    """What it resists a change of: the difference of the displacements, 0, or of the slopes, 1."""
+    damping: float
+    """Damping, N s/m, or N m s/rad between slopes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,14 +145,39 @@ class Structure:
         return frozenset(found)
 
     @cached_property
-    def coupling_drag(self) -> float:
-        """The viscous coefficient C, N s/m2, where it couples the modes, else 0.
+    def viscous(self) -> tuple[tuple[float, float, float], ...]:
+        """Start and end, m, of each piece of the beams, and the viscous damping along it, N s/m2: that of all beams and
+        the beam's own."""
+        line, everywhere = self.line, self.damping.coefficient if isinstance(self.damping, ViscousDamping) else 0.0
+        own = [beam.viscous_damping if isinstance(beam, NamedBeam) else 0.0 for beam in line.beams]
+        return tuple((it.start, it.end, everywhere + own[line.beam_at(it.start)]) for it in line.pieces)
 
-        Its force is proportional to the velocity, and couples no modes, where all inertia is one mass per length.
-        """
-        pieces = self.line.pieces
-        even = not self.masses and all(piece.inertia == pieces[0].inertia for piece in pieces)
-        return self.damping.coefficient if isinstance(self.damping, ViscousDamping) and not even else 0.0
+    @cached_property
+    def even_decay(self) -> float:
+        """The rate C / (2 m), 1/s, that viscous damping along the beams adds to every mode, where it couples no modes:
+        its force is then one number times the inertia, everywhere."""
+        rates = [C / (2 * it.inertia) for (_, _, C), it in zip(self.viscous, self.line.pieces, strict=True)]
+        return rates[0] if not self.masses and all(rate == rates[0] for rate in rates) else 0.0
+
+    @cached_property
+    def coupling_drag(self) -> tuple[tuple[float, float, float], ...]:
+        """Start and end, m, and viscous damping, N s/m2, of the pieces along which it couples the modes."""
+        return () if self.even_decay else tuple(piece for piece in self.viscous if piece[2] > 0)
+
+    @cached_property
+    def dampers(self) -> tuple[Damper, ...]:
+        """The dampers of links, which couple the modes."""
+        return tuple(
+            Damper(link.first, link.second, derivative, c)
+            for link in self.links
+            for derivative, c in enumerate((link.damping, link.torsional_damping))
+            if c > 0
+        )
+
+    @property
+    def couples(self) -> bool:
+        """Whether viscous damping along the beams, or dampers of links, couple the modes of every contact state."""
+        return bool(self.coupling_drag or self.dampers)
 
     def __reduce__(self) -> tuple[object, ...]:
         return structure_of, (self.line, self.supports, self.stops, self.damping, self.masses, self.links)

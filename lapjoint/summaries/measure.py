@@ -12,7 +12,8 @@ from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.history import History
 from lapjoint.answers.modes import Modes
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
+from lapjoint.problem import FloatArray, ModalDamping, Problem
+from lapjoint.problem.damping import ROUNDED
 from lapjoint.solver import Progress, Solver, Streams
 from lapjoint.summaries.collector import Collector
 from lapjoint.summaries.quantities import Selection
@@ -128,35 +129,42 @@ def _slowest(problem: Problem, solver: Solver) -> tuple[float, float]:
     """The lowest angular frequency, rad/s, and the lowest rate of decay, 1/s, of the free joint; 0 if there is none.
 
     The lowest modes are enough: higher modes do not decay more slowly under viscous damping, or modal damping of one
-    ratio.  Where viscous damping couples the modes, the rates are those of the lowest modes together.
+    ratio.  Where damping couples the modes, the rates are those of the lowest modes together.
     """
     modes = _lowest_modes(problem, solver)
     omega = np.asarray(modes.angular_frequencies, dtype=float)
-    damping, bends = problem.damping, np.arange(omega.size) >= problem.structure.free_motions
+    structure, damping = problem.structure, problem.damping
+    bends = np.arange(omega.size) >= structure.free_motions
+    own = np.full(omega.size, structure.even_decay)
     if isinstance(damping, ModalDamping):
-        rates = (damping.ratios(omega.size) * omega)[bends]
-    elif problem.structure.coupling_drag > 0:
-        rates = _coupled_rates(problem, modes)
-    elif isinstance(damping, ViscousDamping):
-        half = damping.coefficient / (2 * problem.line.m)
-        rates = (half - np.sqrt(np.maximum(half**2 - omega**2, 0.0)))[bends]
+        own += damping.ratios(omega.size) * omega
+    if structure.couples:
+        rates = _coupled_rates(problem, modes, own)
     else:
-        rates = np.zeros(omega.size)
+        rates = (own - np.sqrt(np.maximum(own**2 - omega**2, 0.0)))[bends]
     slow = rates[rates > 0]
     return float(omega[bends].min()), float(slow.min()) if slow.size else 0.0
 
 
-def _coupled_rates(problem: Problem, modes: Modes) -> FloatArray:
-    """Rates of decay, 1/s, of modes that viscous damping couples, but for rigid-body motions at rest."""
+def _coupled_rates(problem: Problem, modes: Modes, own: FloatArray) -> FloatArray:
+    """Rates of decay, 1/s, of modes that damping couples, but for rigid-body motions at rest; `own`, 1/s, ``(n,)``, are
+    the rates of the damping that couples none.  A rate of 0 is that of a mode without damping."""
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     edges = problem.line.grid(_PANELS + 1)
     edges = np.union1d(edges, [piece.end for piece in problem.line.pieces])
     half = np.diff(edges)[:, None] / 2
-    shapes = modes.shapes((edges[:-1, None] + half * (1 + nodes)).ravel())
-    D = problem.structure.coupling_drag * (shapes * (half * weights).ravel()) @ shapes.T
+    x = (edges[:-1, None] + half * (1 + nodes)).ravel()
+    shapes, along = modes.shapes(x), np.zeros(x.size)
+    for start, end, C in problem.structure.coupling_drag:
+        along += C * ((x > start) & (x < end))
+    D = np.diag(2 * own) + (shapes * along * (half * weights).ravel()) @ shapes.T
+    for it in problem.structure.dampers:
+        moved = np.diff(modes.shapes(np.array([it.first, it.second]), it.derivative))[:, 0]
+        D += it.damping * np.outer(moved, moved)
     turn, n = np.diag(modes.angular_frequencies), D.shape[0]
     roots = np.linalg.eigvals(np.block([[np.zeros((n, n)), turn], [-turn, -D]]))
-    return np.asarray(-roots[np.argsort(np.abs(roots))[problem.structure.free_motions :]].real)
+    rates = -roots[np.argsort(np.abs(roots))[problem.structure.free_motions :]].real
+    return np.asarray(np.where(rates > ROUNDED * np.abs(roots).max(), rates, 0.0))
 
 
 def _lowest_modes(problem: Problem, solver: Solver) -> Modes:

@@ -241,7 +241,7 @@ PARTS = (
     Fault(
         "drag-beside-masses-as-uniform",
         "a case forgotten",
-        "lapjoint:Structure.coupling_drag",
+        "lapjoint:Structure.even_decay",
         "Viscous damping is taken as proportional to the inertia also where masses sit on a uniform beam.",
         old="not self.masses and all(...)",
         new="all(...)",
@@ -259,7 +259,7 @@ PARTS = (
         "a factor",
         "fe_lapjoint:Assembly.drag",
         "Viscous damping beside masses and steps is a thousandth too strong.",
-        old="(not self._empty[e]) * h * unit",
-        new="(not self._empty[e]) * 1.001 * h * unit",
+        old="C * h * unit",
+        new="1.001 * C * h * unit",
     ),
 )

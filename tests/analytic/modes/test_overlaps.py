@@ -79,8 +79,9 @@ def check(seed: int, pairs: int) -> None:
     """Compare pairs, one of which is a mode and the same mode with the stop."""
     f, g = families(seed)
     rng = np.random.default_rng([seed, 2])
-    found: FloatArray = overlaps(f, g)
-    size = np.sqrt(np.outer(np.diag(overlaps(f, f)), np.diag(overlaps(g, g))))
+    whole = ((0.0, float(f.nodes[-1]), 1.0),)
+    found: FloatArray = overlaps(f, g, whole)
+    size = np.sqrt(np.outer(np.diag(overlaps(f, f, whole)), np.diag(overlaps(g, g, whole))))
     with mp.workdps(DIGITS):
         points = gauss_points()
         for pair in range(pairs):
@@ -103,8 +104,10 @@ def test_products_of_all_modes_against_gauss_points() -> None:
     for seed in range(3):
         f, g = families(seed)
         x, weights = panels_of(f)
-        one, other = f(x), g(x)
-        found, by_points = overlaps(f, g), (one * weights) @ other.T
+        one, other, middle, L = f(x), g(x), float(f.nodes[f.nodes.size // 2]), float(f.nodes[-1])
+        pieces = ((0.0, middle, 0.7), (middle, L, 3.0)) if seed else ((0.0, L, 1.0),)
+        C = np.where(x < middle, pieces[0][2], pieces[-1][2])
+        found, by_points = overlaps(f, g, pieces), (one * C * weights) @ other.T
         size = np.sqrt(np.outer((one**2) @ weights, (other**2) @ weights))
         assert np.abs((found - by_points) / size).max() < 1e-11
 
@@ -130,7 +133,7 @@ def test_modes_with_the_mass_of_the_beam_alone_are_what_lumped_masses_leave() ->
     masses = (Mass(x=0.6 * L, mass=3.0 * L, rotary_inertia=0.2 * L**3), Mass(x=L, mass=0.5 * L))
     problem = problem.replace(beam=beam, masses=masses)
     shapes = exact_modes(problem, FREE, MODES).shapes
-    whole = 2.0 * overlaps(shapes, shapes)
+    whole = overlaps(shapes, shapes, ((0.0, L, 2.0),))
     for mass in problem.masses:
         for derivative, size in enumerate((mass.mass, mass.rotary_inertia)):
             here = shapes(np.array([mass.x]), derivative)

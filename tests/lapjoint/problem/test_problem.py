@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import tomllib
 from collections.abc import Callable
 from typing import Any
 
@@ -34,6 +35,7 @@ from lapjoint import (
     sdnl104,
 )
 from lapjoint.problem import AtRest, BeamSegment, Mass
+from lapjoint.problem.files import to_toml
 
 BEAM = Beam(length=2.0, bending_stiffness=3.0, mass_per_length=5.0)
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
@@ -365,12 +367,12 @@ def test_viscous_damping_that_couples_modes_has_a_limit_of_its_own() -> None:
         "supports": [{"x": 0.0, "translational": math.inf, "torsional": math.inf}],
         "damping": {"kind": "viscous", "coefficient": 1e6},
     }
-    assert Problem.model_validate(given).structure.coupling_drag == 0
+    assert not Problem.model_validate(given).structure.couples
     laden = given | {"masses": [{"x": 1.0, "mass": 0.1}]}
-    with pytest.raises(ValueError, match=r"damping\.coefficient = 1e\+06: must be at most 10000 .*couple the modes"):
+    with pytest.raises(ValueError, match=r"damping\.coefficient = 1e\+06: must be at most 10000 .*couples the modes"):
         Problem.model_validate(laden)
     light = laden | {"damping": {"kind": "viscous", "coefficient": 2.0}}
-    assert Problem.model_validate(light).structure.coupling_drag == 2.0
+    assert Problem.model_validate(light).structure.coupling_drag == ((0.0, 1.0, 2.0),)
 
 
 def test_a_beam_copied_with_another_mass_has_the_pieces_of_the_copy() -> None:
@@ -378,3 +380,35 @@ def test_a_beam_copied_with_another_mass_has_the_pieces_of_the_copy() -> None:
     assert beam.pieces[0].mass == 3.0
     heavy = beam.model_copy(update={"contents_per_length": 1.0, "length": 2.0})
     assert (heavy.pieces[0].mass, heavy.pieces[0].end) == (4.0, 2.0)
+
+
+def two_beams(link: dict[str, object], **own: object) -> Problem:
+    """Two cantilevers with a link at their ends; the first one has numbers of its own."""
+    clamp = {"x": 0.0, "translational": math.inf, "torsional": math.inf}
+    beam = {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0, "supports": [clamp]}
+    return Problem.model_validate(
+        {"beams": [beam | {"name": "a"} | own, beam | {"name": "b"}], "links": [{"between": ["a:1", "b:1"]} | link]}
+    )
+
+
+@pytest.mark.parametrize(
+    ("link", "own", "message"),
+    [
+        ({"damping": 2.0, "translational": math.inf}, {}, r"damping = 2: must be 0 beside translational = inf"),
+        ({"torsional_damping": 2.0, "torsional": math.inf}, {}, r"torsional_damping = 2: must be 0 beside torsional"),
+        ({"damping": -1.0}, {}, "damping"),
+        ({"damping": 1e5}, {}, r"links\[0\]\.damping = 100000: must be at most 10000 times sqrt\(EI m\) / length"),
+        ({}, {"viscous_damping": 1e12}, r"beams\[0\]\.viscous_damping = 1e\+12: must be at most 10000 times"),
+    ],
+)
+def test_dampers_that_mean_nothing_are_refused(link: dict[str, object], own: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        two_beams(link, **own)
+
+
+def test_all_damping_adds_up_and_is_written() -> None:
+    problem = two_beams({"damping": 3.0, "torsional_damping": 0.5}, viscous_damping=2.0)
+    problem = problem.replace(damping=ViscousDamping(coefficient=1.0))
+    assert [C for _, _, C in problem.structure.viscous] == [3.0, 1.0]
+    assert [(it.derivative, it.damping) for it in problem.structure.dampers] == [(0, 3.0), (1, 0.5)]
+    assert Problem.model_validate(tomllib.loads(to_toml(problem))) == problem
