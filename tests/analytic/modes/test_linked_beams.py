@@ -59,12 +59,14 @@ def test_frequencies_agree_with_fifty_digits_and_none_is_missed(number: int) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("start", range(1000, 2000, 50))
 def test_frequencies_of_1000_systems_agree_with_fifty_digits(start: int) -> None:
+    """What the solver gives is right; of springs at the ends of their range it may refuse one system in fifty."""
+    refused = []
     for number in range(start, start + 50):
         try:
             check_system(number)
-        except SolverError as error:  # of equal beams on the softest links; no frequency is wrong
-            assert number % 4 == 0
-            assert "cannot be told apart" in str(error)
+        except SolverError as error:
+            refused.append(f"{number}: {error}")
+    assert len(refused) <= 1, refused
 
 
 @pytest.mark.parametrize("k", [1e-8, 1e-15])
