@@ -45,9 +45,9 @@ from analytic.modes.characteristic_equation import IntArray, Layout, Spring, cou
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 
-_ERROR = 1e-12
-"""Largest relative error that the count allows a root above the bending of the stiffest beam, some thousand rounding
-errors, as of one beam; below, it allows the square of the distance times as much."""
+_ERROR = 1e-11
+"""Largest relative error of a root above the bending of the stiffest beam: ten times what counts need, which lose
+digits where a frequency of a beam alone is near.  Below, the square of the distance times as much."""
 _SLOWEST = 1e-4
 """Least root but 0, divided by beta L of the stiffest beam: there the count has eight digits left.  At 1e-5 it errs
 where 24 links join two beams side by side, at 1e-6 where five do."""
