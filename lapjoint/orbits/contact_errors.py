@@ -126,9 +126,10 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
             continue
         mine = [contacts[i] for i in own]
         partner, mutual, apart = _partners([c.start for c in mine], [c.start for c in other], period)
-        by_end, both, _ = _partners([c.end for c in mine], [c.end for c in other], period)
         start[own[mutual]] = apart[mutual]
-        mutual &= both & (by_end == partner)
+        if len(mine) > 1 or len(other) > 1:  # else they are partners by their ends, too
+            by_end, both, _ = _partners([c.end for c in mine], [c.end for c in other], period)
+            mutual &= both & (by_end == partner)
         pairs = [(contacts[i], other[k]) for i, k in zip(own[mutual], partner[mutual], strict=True)]
         impulse[own[mutual]] = [abs(one.impulse - another.impulse) for one, another in pairs]
         peak[own[mutual]] = [abs(one.peak_force - another.peak_force) for one, another in pairs]
@@ -142,6 +143,8 @@ def _partners(
     """Index of the nearest other time to each time, whether each is the nearest to the other, and their distance, s."""
     one, other = np.array(times), np.array(others)
     partner, apart = _nearest(one, other, period)
+    if one.size == other.size == 1:
+        return partner, np.ones(1, dtype=np.bool_), apart
     return partner, _nearest(other, one, period)[0][partner] == np.arange(one.size), apart
 
 
@@ -153,9 +156,9 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
     index = np.arange(others.size)
     if period is not None:
         times, at = times % period, np.argsort(others % period, kind="stable")
-        others, index = (others % period)[at], np.tile(at, 3)
+        others, index = (others % period)[at], np.concatenate([at, at, at])
         others = np.concatenate([others - period, others, others + period])
-    after = np.clip(np.searchsorted(others, times), 0, others.size - 1)
+    after = np.minimum(np.searchsorted(others, times), others.size - 1)
     before = np.maximum(after - 1, 0)
     nearest = np.where(np.abs(times - others[before]) <= np.abs(others[after] - times), before, after)
     return index[nearest], np.abs(others[nearest] - times)

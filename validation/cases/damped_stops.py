@@ -6,11 +6,16 @@ damped stops has a cycle, whose impulses, energies and multipliers the witness g
 
 Bars on a pin without a spring meet stops that never pull in the analytic solver alone: FE cannot form the exponentials
 of a released state whose bending is so much faster than its rigid-body mode.  The cycle compares that law in FE.
+
+A branch of that cycle is followed in the amplitude of the base, from a motion without contact through the graze of the
+closed form, back over a fold, and on to both stops.  Motions along it, of which some are unstable, are those of the
+witness from their own first state, and so are their multipliers.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +23,11 @@ import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, ModalDamping, PolynomialShape, Problem, StepLoad, Stop, Support
 from lapjoint.answers import History
+from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.orbits.branches.resolution import ParameterRange
+from lapjoint.orbits.branches.sequence_changes import SequenceChange
+from lapjoint.orbits.branches.starts import start_from
+from lapjoint.orbits.branches.tracing import Limits, trace
 from validation.case import CaseResult, Level, Say, table
 from validation.invariants import witness
 from validation.references.damped_oscillator import DampedOscillator, DampedStop, restitution
@@ -33,6 +43,12 @@ PUBLISHED = {True: (0.924038825, -1.882140798), False: (0.865701747, -1.85110843
 """Release, s, and displacement at 1 s, m, by whether the stop may pull: as SDND108 prints, and without tension."""
 RATIOS = ((0.02, False), (0.3, False), (0.9, False), (1.5, False), (4.0, False), (20.0, False), (0.3, True))
 """Damping ratio of a mass on the stop, and whether the stop may pull; 20 hardly rebounds."""
+AMPLITUDE, FROM, TO, BEGIN = "base_motion.amplitude", 5e-4, 3e-3, 6e-4
+"""What the branch is followed in: its path, the ends of its range, and where it begins, without contact; m."""
+EVERY = 9  # Every so manieth motion along the branch is compared
+ALONG = 1e-5
+"""Relative tolerance of multipliers along the branch, ten times that of the cycle: beside a graze they change fast, and
+the witness takes them from differences."""
 WITNESSED = 1e-6  # Tolerance of the invariants of a motion that hardly bends
 
 
@@ -100,6 +116,42 @@ def rebound(solver: analytic.Solver | fe_lapjoint.Solver, ratio: float, may_pull
     ]
 
 
+def branch(solver: analytic.Solver | fe_lapjoint.Solver) -> list[Check | Criterion]:
+    """The branch of the cycle in the amplitude of the base, by one solver."""
+    problem, oscillator = cycle()
+    grid = Grid(problem, (Axis(AMPLITUDE, (BEGIN,)),))
+    of = ParameterRange(solver, lambda value: grid.with_values((value,)), AMPLITUDE, FROM, TO)
+    begin = start_from(of, BEGIN, solver.period_map(grid.with_values((BEGIN,))).initial(), 1)
+    found = None if begin is None else trace(of, begin, 1, Limits(max_points=200))
+    ends = found.ends if found else ()
+    items: list[Check | Criterion] = [
+        Criterion(
+            f"branch, ends of the range that it reaches: {solver.name}", "1", ends.count("boundary"), 2, 2, "both"
+        )
+    ]
+    if found is None or not found.found:
+        return items
+    w, own = oscillator.omega, math.sqrt(oscillator.stiffness / oscillator.mass)
+    gain = 1.5 * w**2 / abs(own**2 - w**2 + 2j * oscillator.ratio * own * w)
+    graze = oscillator.stops[0].gap / gain
+    first = found.found[0].what
+    value = first.value if isinstance(first, SequenceChange) else math.nan
+    items.append(check(f"branch, graze: {solver.name}", "m", value, graze, "closed form", OF_CYCLE))
+    for point in found.points[::EVERY]:
+        history = point.problem.resolution.map(point.value).history(point.section(), 1)
+        state = np.array([history.evaluate(1.0, 0.0, dt=dt)[0, 0] for dt in (0, 1)])
+        here = replace(oscillator, force=1.5 * point.value * w**2)
+        passed = here.march(state, 0.0, here.period)
+        size = float(np.abs(state / [1.0, w]).max())
+        for k, name in enumerate(("displacement", "velocity over omega")):
+            a, b = (Estimate(float(z[k]) / w**k, OF_CYCLE * size, "after a period") for z in (state, passed.state))
+            items.append(Check(f"branch, {point.value:.6g} m, {name}: {solver.name}", "m", a, b))
+        mine, exact = (float(np.abs(values).max()) for values in (point.multipliers, here.multipliers(state)))
+        label = f"branch, {point.value:.6g} m, largest multiplier: {solver.name}"
+        items.append(check(label, "1", mine, exact, "by numpy alone", ALONG))
+    return items
+
+
 def run(level: Level, say: Say) -> CaseResult:
     """Both laws and both solvers, at every level."""
     checks: list[Check] = []
@@ -134,13 +186,15 @@ def run(level: Level, say: Say) -> CaseResult:
         ):
             label = f"cycle, {name} of the leading multiplier: {solver.name}"
             checks.append(check(label, "1", found_, float(np.float64(exact_)), "by numpy alone", 10 * OF_CYCLE))
+        for item in branch(solver):
+            (checks if isinstance(item, Check) else criteria).append(item)  # type: ignore[arg-type]
     rows = [(c.name, c.unit, c.b.value, c.a.value, f"{c.difference:.1e}") for c in checks]
     return CaseResult(
         "damped-stops",
         "Damped stops",
         "Bars on a pin that hardly bend meet damped stops: SDND108 by both laws, to nine digits; free bars, which "
-        "rebound with the coefficient of restitution of the closed form; and a cycle between two stops, against one "
-        "degree of freedom by numpy alone.",
+        "rebound with the coefficient of restitution of the closed form; and a cycle between two stops, with its "
+        "branch, against one degree of freedom by numpy alone.",
         checks=tuple(checks),
         criteria=tuple(criteria),
         tables=(table("Damped stops", ("quantity", "unit", "reference", "found", "difference"), rows),),

@@ -120,6 +120,54 @@ OVERRIDES = {
 """Arguments of ``--set``, and the one value that each changes."""
 
 
+TWO = """
+title = "Two beams that one base shakes"
+[[beams]]
+name = "upper"
+length = 1.3
+bending_stiffness = 31.0
+mass_per_length = 2.3
+base_share = 0.7
+gravity_share = 0.4
+[[beams.masses]]
+x = 0.9
+mass = 0.35
+[[beams]]
+name = "lower"
+origin = 0.6
+length = 0.8
+bending_stiffness = 47.0
+mass_per_length = 1.9
+base_share = -0.3
+gravity_share = -0.8
+[[stops]]
+between = ["upper:0.85", "lower:0.27"]
+gap = 4e-4
+stiffness = 5.3e4
+[[stops]]
+x = "lower:0.7"
+side = "top"
+gap = 6e-4
+stiffness = 3.1e4
+fixed_to = "space"
+[[point_loads]]
+kind = "step"
+x = "lower:0.7"
+force = 11.0
+[gravity]
+acceleration = -9.73
+[base_motion]
+amplitude = 1.7e-3
+angular_frequency = 83.0
+phase = 0.61
+"""
+BEAMS = ((1.3, 2.3, 0.35, 0.7, 0.4), (0.8, 1.9, 0.0, -0.3, -0.8))
+"""Length, m, mass per length, kg/m, lumped mass, kg, and shares of the base's motion and of gravity of each beam."""
+BETWEEN = (0.85, 0.27, 4e-4, 5.3e4)  # Positions on the first and the second beam, m, gap, m, and stiffness, N/m
+IN_SPACE = (0.7, 6e-4, 3.1e4)  # Position on the second beam, m, gap, m, and stiffness, N/m
+SHAPES = (7e-4, -1.1e-3)  # Displacement of each beam over the square of the position on it, 1/m
+
+
 def along_the_beam(problem: Problem) -> Iterator[Check]:
     """Stiffness, inertia and stress of each segment, and where two meet."""
     beam = problem.line
@@ -237,6 +285,34 @@ def seen(problem: Problem) -> Iterator[Check]:
             yield same(f"stress at the step at {x:g} m, {t:g} s", found, stress, "Pa", 100 * ROUNDING)
 
 
+def of_two_beams(problem: Problem) -> Iterator[Check]:
+    """What base motion and gravity act on, and what stops see and do, of two beams in a motion in closed form."""
+    for name, shape, share in (("inertia", problem.structure.inertia, 3), ("weight", problem.structure.weight, 4)):
+        exact = sum(it[share] * (it[0] * it[1] + it[2]) for it in BEAMS)
+        yield same(f"two beams: {name}, sum", resultant(shape)[0], exact, "kg", 100 * ROUNDING)
+    upper, lower = problem.line.starts
+
+    def motion(x: FloatArray, t: FloatArray, dx: int = 0, dt: int = 0) -> FloatArray:
+        second = x >= lower
+        own = x - np.where(second, lower, upper)
+        return np.outer(np.where(second, SHAPES[1], SHAPES[0]) * own**2, np.sin(OMEGA * t))
+
+    history = History(problem, "written down", 0.0, 0.08, np.zeros(0), (FREE,), (), motion)
+    (first, second, gap, stiffness), (x, height, hard) = BETWEEN, IN_SPACE
+    for t in (0.0123, 0.0591, 0.0612):
+        wave, y = math.sin(OMEGA * t), AMPLITUDE * math.sin(OMEGA * t + PHASE)
+        apart = wave * (SHAPES[1] * second**2 - SHAPES[0] * first**2) + (BEAMS[1][3] - BEAMS[0][3]) * y
+        at_wall = wave * SHAPES[1] * x**2 + BEAMS[1][3] * y
+        for k, (z, free, k_stop) in enumerate(((apart, gap, stiffness), (at_wall, height, hard))):
+            yield same(f"two beams: what stop {k + 1} sees at {t:g} s", history.seen_by_stops(t)[k, 0], z, "m", 1e-12)
+            force = k_stop * max(z - free, 0.0)
+            yield same(
+                f"two beams: force of stop {k + 1} at {t:g} s", -history.contact_force(t)[k, 0], force, "N", 1e-10
+            )
+    (step,) = problem.forces.constant[-1].shape.points
+    yield same("two beams: place of the load", step[0], lower + 0.7, "m", 10 * ROUNDING)
+
+
 def run(level: Level, say: Say) -> CaseResult:
     """All comparisons with plain numbers."""
     say("file, arithmetic")
@@ -249,6 +325,7 @@ def run(level: Level, say: Say) -> CaseResult:
         *loads(problem),
         *by_excitation(problem),
         *seen(problem),
+        *of_two_beams(from_toml(TWO)),
     ]
     return as_given(
         "parts-as-given",
@@ -256,6 +333,7 @@ def run(level: Level, say: Say) -> CaseResult:
         "A beam of three segments of different sections and materials, with contents and added mass, two masses, "
         "gravity, uniform loads, a stop that presses and a stop fixed in space. Every value of its file is compared "
         "with what tomllib reads; stiffness, inertia, weight, resultants of all forces, what stops see, forces, "
-        "moments and stresses with plain arithmetic.",
+        "moments and stresses with plain arithmetic; and what two beams take of the base's motion and of gravity, and "
+        "what stops between them see.",
         items,
     )

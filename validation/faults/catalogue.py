@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from validation.faults.fault import Fault
 from validation.faults.in_analytic import ANALYTIC
+from validation.faults.in_beams import BEAMS
 from validation.faults.in_branches import BRANCHES
+from validation.faults.in_damped import DAMPED
 from validation.faults.in_fe import FE
 from validation.faults.in_ground import GROUND
 from validation.faults.in_parts import PARTS
 from validation.faults.in_random import RANDOM
 from validation.faults.in_summaries import SUMMARIES
 
-FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND, *RANDOM, *SUMMARIES, *BRANCHES, *PARTS)
+FAULTS: tuple[Fault, ...] = (*ANALYTIC, *FE, *GROUND, *RANDOM, *SUMMARIES, *BRANCHES, *PARTS, *DAMPED, *BEAMS)
 
 CONTROL = Fault(
     "control",
