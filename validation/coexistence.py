@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lapjoint import Outcome, Problem, SteadyState, initial_from_functions
-from lapjoint.problem import BeamsStart, BeamStart, FloatArray
+from lapjoint import Outcome, Problem, SteadyState
+from lapjoint.problem import BeamsStart, BeamStart, FloatArray, SampledShape
 from lapjoint.solver import Solver
 
 SAME = 1e-2
@@ -60,14 +60,26 @@ def started_from(problem: Problem, found: SteadyState) -> Problem:
 
     line = problem.line
     if not line.several:
-        return problem.replace(initial=initial_from_functions(line.length, displacement, velocity, _SAMPLES))
+        at = _samples(problem, 0.0, line.length)
+        z, v = (tuple(f(at).tolist()) for f in (displacement, velocity))
+        return problem.replace(initial=SampledShape(x=tuple(at.tolist()), displacement=z, velocity=v))
     beams = []
     for name, start, beam in zip(line.names, line.starts, line.beams, strict=True):
-        x = np.linspace(0.0, beam.length, _SAMPLES)
+        x = _samples(problem, start, beam.length)
         on = np.minimum(start + x, start + beam.length)
         z, v = (tuple(np.asarray(f(on)).tolist()) for f in (displacement, velocity))
         beams.append(BeamStart(beam=name, x=tuple(x.tolist()), displacement=z, velocity=v))
     return problem.replace(initial=BeamsStart(beams=tuple(beams)))
+
+
+def _samples(problem: Problem, start: float, length: float) -> FloatArray:
+    """Positions on a beam that begins at `start` of the line, m: equidistant, but for those nearest to supports, which
+    are at the supports, where a spline that passes by would move what is fixed."""
+    x = np.linspace(0.0, length, _SAMPLES)
+    for place in (support.x - start for support in problem.structure.supports):
+        if x[0] < place < x[-1]:
+            x[1 + int(np.argmin(np.abs(x[1:-1] - place)))] = place
+    return x
 
 
 def why_they_differ(problem: Problem, one: Motion, other: Motion) -> str:

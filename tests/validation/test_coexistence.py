@@ -12,6 +12,7 @@ from shaken_beams import shaken_beams
 import analytic
 import fe_lapjoint
 from lapjoint import BaseMotion, Beam, ModalDamping, Outcome, Problem, Stop, Support
+from lapjoint.problem import SampledShape
 from validation.coexistence import Motion, same_motion, started_from, why_they_differ
 
 pytestmark = pytest.mark.long_march
@@ -76,3 +77,12 @@ def test_a_motion_of_several_beams_is_handed_over_beam_by_beam() -> None:
         (handed.velocity_at(x), found.history.velocity(x, found.history.start)),
     ):
         assert given == pytest.approx(motion[:, 0], abs=1e-6 * np.abs(motion).max())
+
+
+def test_a_motion_is_handed_over_where_a_support_lies_between_equidistant_positions() -> None:
+    place = 0.789372
+    problem = CANTILEVER.replace(supports=(*CANTILEVER.supports, Support(x=place, translational=math.inf)))
+    found = ANALYTIC.steady_state(problem, sensitivity=False, errors=False)
+    start = started_from(problem, found).initial
+    assert isinstance(start, SampledShape)
+    assert place in start.x
