@@ -17,6 +17,7 @@ import fe_lapjoint
 from analytic.march import Coordinates, Joint, march
 from benchmarks.naive_march import naive_march
 from lapjoint import FREE, Problem, paper_joint
+from lapjoint.problem.presets import lap_joint
 
 CYCLES = 50
 PERIOD = 2 * math.pi / 515.0
@@ -58,7 +59,7 @@ def with_dampers(damping: float) -> Problem:
     return joint.replace(stops=tuple(type(stop)(**{**dict(stop), "damping": damping}) for stop in joint.stops))
 
 
-@pytest.mark.parametrize("damping", [0.0, 3.0])
+@pytest.mark.parametrize("damping", [0.0, 3.0, 300.0])
 @pytest.mark.benchmark(group=f"{CYCLES} cycles at 515 rad/s, without and with damped stops, 20 modes")
 def bench_march_with_damped_stops(benchmark: Any, damping: float) -> None:
     """The march alone; a stop that is released before it opens makes three switches of a contact, not two."""
@@ -66,6 +67,29 @@ def bench_march_with_damped_stops(benchmark: Any, damping: float) -> None:
     rest = Coordinates(FREE, np.zeros(20), np.zeros(20))
     begin = march(joint, rest, 0.0, 20 * PERIOD, record=False).end
     benchmark(march, joint, begin, 0.0, CYCLES * PERIOD, record=False)
+
+
+@pytest.mark.parametrize("damping", [0.0, 3.0, 300.0])
+@pytest.mark.parametrize("solver", ["analytic", "fe"])
+def bench_certified_cycle_with_damped_stops(benchmark: Any, solver: str, damping: float) -> None:
+    """A certified steady state, with its errors and the energies that its contacts lose."""
+    benchmark.group = f"certified cycle at 515 rad/s, without and with damped stops, {solver}"
+    chosen = analytic.Solver(free_modes=20, contact_modes=20) if solver == "analytic" else fe_lapjoint.Solver()
+    problem = with_dampers(damping)
+    chosen.steady_state(problem)
+    benchmark.pedantic(chosen.steady_state, (problem,), rounds=7)
+
+
+@pytest.mark.parametrize("joint", ["one beam", "two plates"])
+@pytest.mark.benchmark(group=f"{CYCLES} cycles, 20 modes: the paper's joint, and two plates at 300 rad/s")
+def bench_march_of_two_plates(benchmark: Any, joint: str) -> None:
+    """The march alone; `extra_info` has the switches of a cycle, of which the plates make more."""
+    it = Joint(paper_joint(angular_frequency=515.0) if joint == "one beam" else lap_joint(), 20, 20)
+    assert it.period is not None
+    end = CYCLES * it.period
+    begin = march(it, Coordinates(FREE, np.zeros(20), np.zeros(20)), 0.0, end, record=False).end
+    benchmark.extra_info["switches of a cycle"] = int((march(it, begin, 0.0, end).log.stop >= 0).sum()) / CYCLES
+    benchmark(march, it, begin, 0.0, end, record=False)
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])

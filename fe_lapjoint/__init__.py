@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 from fe_lapjoint.solver import Solver
 
 if TYPE_CHECKING:
-    from fe_lapjoint.march.propagator import ExactPropagator
+    from fe_lapjoint.march.exact_propagator import ExactPropagator
 
 __all__ = ["ExactPropagator", "Solver"]
 
 
 def __getattr__(name: str) -> Any:
     if name == "ExactPropagator":  # imported when asked for: it brings scipy along
-        from fe_lapjoint.march.propagator import ExactPropagator
+        from fe_lapjoint.march.exact_propagator import ExactPropagator
 
         return ExactPropagator
     raise AttributeError(f"module 'fe_lapjoint' has no attribute {name!r}")

@@ -26,6 +26,7 @@ COARSE: dict[str, dict[str, Any]] = {  # whole curves take longer: here a point 
     "cascade": {"marches": 9, "multiple": 2},
     "figure_4": {"step": 100.0, "workers": 1},
     "first_graze": {"points": 3},
+    "five_systems": {"points": 13},
     "first_result": {"step": 100.0, "fe_step": 500.0, "workers": 1},
 }
 LARGEST = {".png": 100_000, ".svg": 100_000, ".gif": 1_000_000}  # bytes: the page should load at once
@@ -41,7 +42,7 @@ THREE_DIMENSIONAL = ("film", "side_by_side")
 LONG = (
     *THREE_DIMENSIONAL,
     *("basins", "branch_of_figure_4", "cascade", "chaos", "convergence", "figure_4", "first_result", "hardening"),
-    *("loose_pinned_beam", "shaken", "spectrum", "three_stops_one_side"),
+    *("five_systems", "lap_joint", "loose_pinned_beam", "shaken", "spectrum", "three_stops_one_side"),
 )
 
 

@@ -3,11 +3,11 @@
 This witness is independent of the solvers: it knows the problem, and evaluates displacement and velocity anywhere, but
 does not know how they were computed.
 
-- energy: d/dt (kinetic + bending + springs) = power of base inertia and point loads - dissipation.  Under viscous
+- energy: d/dt (kinetic + bending + springs and links) = power of base inertia and loads - dissipation.  Under viscous
   damping dissipation is C int z_t^2 dx.  Under modal damping it is not local, and only its sign can be checked;
 - force law and gaps: every stop that is closed by the contact state is pressed, and no other stop is;
-- momentum: if no support is infinitely stiff, and damping is viscous or absent, the impulses of supports, base, point
-  loads and drag, and the *stated* impulses of the stops, add up to the change of momentum, and of angular momentum;
+- momentum: the stated impulses of the stops, and all other forces, add up to the change of momentum, and of angular
+  momentum; see `validation.momentum`;
 - impulse: the stated impulse is the time integral of the force law;
 - dissipation: the stated energy lost in a damped stop is the time integral of force times rate, less what the spring
   stores where the history cuts the contact;
@@ -20,53 +20,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from lapjoint.answers import Contact, History
-from lapjoint.problem import FloatArray, ModalDamping, Problem, ViscousDamping
-from lapjoint.problem.load_shape import LoadShape
-from validation.references.panels import gauss_panels
+from lapjoint.problem import FloatArray, ModalDamping, ViscousDamping
+from validation.momentum import momentum_applies, momentum_balance, stretch
+from validation.motion_integrals import along_beams, applied, first_panel, panels, time_integral
 from validation.verdict import Criterion
-
-_PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
-_MOST_HALVINGS = 8  # Most halvings of the panels in time
-_BALANCED = (
-    1e-3  # Least angular momentum that counts, divided by all momentum times half the length; a smaller one is rounding
-)
-
-
-def _panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
-    """Gauss points and weights on panels no longer than `per_panel` between the breaks, each cut into `pieces`."""
-    edges = [breaks[:1]]
-    for a, b in itertools.pairwise(breaks):
-        if b > a:
-            edges.append(np.linspace(a, b, pieces * max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
-    return gauss_panels(np.concatenate(edges), 12)
-
-
-def _space(history: History) -> tuple[FloatArray, FloatArray]:
-    problem = history.problem
-    parts = [support.x for support in problem.structure.supports] + [stop.x for stop in problem.structure.stops]
-    steps = [mass.x for mass in problem.structure.masses] + [piece.end for piece in problem.line.pieces]
-    loads = [x for force in problem.forces.every for x in force.shape.edges]
-    L = problem.line.length
-    return _panels(np.unique([0.0, L, *parts, *steps, *loads]), L / _PANELS_X)
-
-
-def _applied(shape: LoadShape, x: FloatArray, w: FloatArray, values: Callable[[FloatArray], FloatArray]) -> FloatArray:
-    """Sum of a load's forces times `values` at their places, which gives ``(n, ...)``; `x`, `w` is the quadrature."""
-    per_length = sum((force * ((x > start) & (x < end)) for start, end, force in shape.pieces), np.zeros(x.size))
-    total = np.asarray((w * per_length) @ values(x))
-    for place, force in shape.points:
-        total = total + force * values(np.array([place]))[0]
-    return total
 
 
 def energy(history: History, t: FloatArray) -> FloatArray:
-    """Kinetic, bending and spring energy of a motion, but for springs of damped stops.
+    """Kinetic, bending and spring energy of a motion, links among the springs, but for springs of damped stops.
 
     Parameters
     ----------
@@ -80,7 +46,7 @@ def energy(history: History, t: FloatArray) -> FloatArray:
     FloatArray, shape (m,)
         Energy, J.
     """
-    problem, (x, w) = history.problem, _space(history)
+    problem, (x, w) = history.problem, along_beams(history)
     beam = problem.line
     total = (w * beam.inertia_at(x)) @ history.evaluate(x, t, dt=1) ** 2 / 2
     total = total + (w * beam.EI_at(x)) @ history.evaluate(x, t, dx=2) ** 2 / 2
@@ -92,6 +58,10 @@ def energy(history: History, t: FloatArray) -> FloatArray:
             total = total + support.translational / 2 * history.displacement(support.x, t)[0] ** 2
         if 0 < support.torsional < math.inf:
             total = total + support.torsional / 2 * history.slope(support.x, t)[0] ** 2
+    for link in problem.structure.links:
+        for dx, k in enumerate((link.translational, link.torsional)):
+            if 0 < k < math.inf:
+                total = total + k / 2 * stretch(history, link, t, dx) ** 2
     for stop, depth in zip(problem.structure.stops, history.penetration(t), strict=True):
         if stop.damping == 0:  # what a damped stop takes and gives back is in `power`
             total = total + stop.stiffness / 2 * np.maximum(depth, 0.0) ** 2
@@ -113,42 +83,21 @@ def power(history: History, t: FloatArray) -> FloatArray:
     FloatArray, shape (m,)
         Power, W.
     """
-    problem, (x, w) = history.problem, _space(history)
+    problem, (x, w) = history.problem, along_beams(history)
     velocity = history.evaluate(x, t, dt=1)
     total = np.zeros(t.size)
     for force in problem.forces.every:
-        total += force.at(t) * _applied(force.shape, x, w, lambda places: history.velocity(places, t))
-    # a spring stores what the beam and a base that moves towards the stop do; a damped stop is what it does to the beam
-    for stop, force, base in zip(
-        problem.structure.stops, history.contact_force(t), history.base_of_stops(t, 1), strict=True
-    ):
-        total += force * history.velocity(stop.x, t)[0] if stop.damping > 0 else -force * base
+        total += force.at(t) * applied(force.shape, x, w, lambda places: history.velocity(places, t))
+    # a spring stores what beams and a base that moves towards the stop do; a damped stop is what it does to the beams
+    base = history.base_of_stops(t, 1)
+    moved = zip(
+        problem.structure.stops, history.contact_force(t), history.seen_by_stops(t, 1) - base, base, strict=True
+    )
+    for stop, force, of_beams, of_base in moved:
+        total += force * of_beams if stop.damping > 0 else -force * of_base
     if isinstance(problem.damping, ViscousDamping):
         total -= problem.damping.coefficient * (w @ velocity**2)
     return total
-
-
-def _first_panel(history: History) -> float:
-    whole, fastest = history.end - history.start, history.problem.forces.fastest
-    return (min(whole, 2 * math.pi / fastest) if fastest else whole) / 16
-
-
-def _time_integral(
-    function: Callable[[FloatArray], FloatArray], breaks: FloatArray, history: History, tolerance: float, scale: float
-) -> float:
-    """Integral over time by Gauss panels, halved until three results differ by less than a tenth of the tolerance.
-
-    Two results may agree by chance while fast modes ring.  Panels end at the knots of a record, between which motions
-    are smooth.
-    """
-    breaks = np.unique(np.concatenate([breaks, _knots(history, float(breaks[0]), float(breaks[-1]))]))
-    values = [math.inf]
-    for halvings in range(_MOST_HALVINGS):
-        t, w = _panels(breaks, _first_panel(history), 2**halvings)
-        values.append(float(function(t) @ w))
-        if np.ptp(values[-3:]) <= 0.1 * tolerance * scale:
-            break
-    return values[-1]
 
 
 def impulse_of(stop: int, breaks: FloatArray, history: History, tolerance: float, scale: float) -> float:
@@ -176,17 +125,7 @@ def impulse_of(stop: int, breaks: FloatArray, history: History, tolerance: float
     def force(t: FloatArray) -> FloatArray:
         return -np.asarray(history.contact_force(np.minimum(t, history.end))[stop])
 
-    return _time_integral(force, breaks, history, tolerance, scale)
-
-
-def _knots(history: History, start: float, end: float) -> FloatArray:
-    """Times of the knots of forces that are linear between knots; none if there are more knots than the finest
-    panels."""
-    ramps = history.problem.forces.ramps
-    found = [np.zeros(0)] if ramps is None else [force.knots_within(start, end) for force in ramps.forces]
-    knots = np.concatenate(found)
-    inside = knots[(knots > start) & (knots < end)]
-    return inside if inside.size <= 16 * 2**_MOST_HALVINGS else inside[:0]
+    return time_integral(force, breaks, history, tolerance, scale)
 
 
 def energy_balance(history: History, tolerance: float) -> Criterion:
@@ -206,89 +145,16 @@ def energy_balance(history: History, tolerance: float) -> Criterion:
         counts.
     """
     breaks = np.unique([history.start, *history.switch_times, history.end])
-    t, w = _panels(breaks, _first_panel(history))
+    t, w = panels(breaks, first_panel(history))
     handled = float(w @ np.abs(power(history, t)))
     scale = max(handled, float(np.max(energy(history, t[:: max(1, t.size // 200)]))), 1e-300)
-    supplied = _time_integral(lambda s: power(history, s), breaks, history, tolerance, scale)
+    supplied = time_integral(lambda s: power(history, s), breaks, history, tolerance, scale)
     ends = energy(history, np.array([history.start, history.end]))
     surplus = (ends[1] - ends[0] - supplied) / scale
     if isinstance(history.problem.damping, ModalDamping):
         reason = "modal damping takes energy and gives none; created energy only within the truncation"
         return Criterion("energy created", "1", float(surplus), -math.inf, tolerance, reason)
     return Criterion("energy unaccounted for", "1", float(surplus), -tolerance, tolerance, "quadrature and truncation")
-
-
-def momentum_applies(problem: Problem) -> bool:
-    """Whether all forces on the beam are known from its motion: no modal damping, and no infinitely stiff support.
-
-    Parameters
-    ----------
-    problem : Problem
-        What is solved.
-    """
-    fixed = any(
-        math.isinf(support.translational) or math.isinf(support.torsional) for support in problem.structure.supports
-    )
-    return not fixed and not isinstance(problem.damping, ModalDamping)
-
-
-def _from_middle(length: float) -> Callable[[FloatArray], FloatArray]:
-    """The arm of a force about the middle of the beam."""
-    return lambda x: x - length / 2
-
-
-def momentum_balance(history: History, tolerance: float) -> tuple[Criterion, Criterion]:
-    """Errors of the balances of momentum and angular momentum, by the stated impulses, divided by the sum of all parts.
-
-    Parameters
-    ----------
-    history : History
-        The motion of a problem to which `momentum_applies`.
-    tolerance : float
-        Largest allowed value, without unit.
-
-    Returns
-    -------
-    Criterion, Criterion
-        The two residuals.
-    """
-    problem, (x, w) = history.problem, _space(history)
-    inertia, L, both = problem.line.inertia_at(x), problem.line.length, np.array([history.start, history.end])
-    breaks = np.unique([history.start, *history.switch_times, history.end])
-    found: list[Criterion] = []
-    momentum = 0.0  # sum of the magnitudes of all parts of the momentum balance, kg m/s
-    arms: tuple[tuple[str, Callable[[FloatArray], FloatArray], float], ...] = (
-        ("momentum", np.ones_like, 0.0),
-        ("angular momentum", _from_middle(L), 1.0),
-    )
-    for name, arm, slope in arms:
-
-        def force(t: FloatArray, arm: Callable[[FloatArray], FloatArray] = arm, slope: float = slope) -> FloatArray:
-            total = np.zeros(t.size)
-            for one in problem.forces.every:
-                total += one.at(t) * float(_applied(one.shape, x, w, arm))
-            for support in problem.structure.supports:
-                total -= (
-                    support.translational * float(arm(np.asarray(support.x))) * history.displacement(support.x, t)[0]
-                )
-                total -= support.torsional * slope * history.slope(support.x, t)[0]
-            if isinstance(problem.damping, ViscousDamping):
-                total -= problem.damping.coefficient * ((w * arm(x)) @ history.evaluate(x, t, dt=1))
-            return total
-
-        ends = (w * inertia * arm(x)) @ history.evaluate(x, both, dt=1)
-        for mass in problem.structure.masses:
-            ends = ends + mass.mass * float(arm(np.asarray(mass.x))) * history.velocity(mass.x, both)[0]
-            ends = ends + mass.rotary_inertia * slope * history.evaluate(mass.x, both, dx=1, dt=1)[0]
-        stops = [-c.impulse * float(arm(np.asarray(problem.structure.stops[c.stop].x))) for c in history.contacts]
-        amount = float(np.abs(ends).sum() + np.abs(stops).sum())
-        scale = max(amount, _BALANCED * (L / 2) ** slope * momentum, 1e-300)
-        momentum = max(momentum, amount)
-        given = _time_integral(force, breaks, history, tolerance, scale) + sum(stops)
-        left = float(ends[1] - ends[0] - given) / scale
-        reason = "quadrature and truncation, by the stated impulses"
-        found.append(Criterion(f"{name} unaccounted for", "1", left, -tolerance, tolerance, reason))
-    return found[0], found[1]
 
 
 def gaps(history: History, tolerance: float) -> Criterion:
@@ -378,7 +244,7 @@ def stated_energies(history: History, tolerance: float) -> Criterion:
 
             ends = history.penetration(np.clip([contact.start, contact.end], history.start, history.end))[k]
             stored = stops[k].stiffness / 2 * ends**2 * np.array([contact.open_start, contact.open_end])
-            lost = _time_integral(taken, _breaks(history, contact), history, tolerance, largest)
+            lost = time_integral(taken, _breaks(history, contact), history, tolerance, largest)
             lost += float(stored[0] - stored[1])
         worst = max(worst, abs(lost - contact.dissipated))
     name = "stated energy lost in damped stops against the force law"

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from lapjoint.errors import InputError
 from lapjoint.files.plain_text import escaped
 from lapjoint.files.writing import unwritable
-from lapjoint.problem.problem import require_one_beam
 from validation.case import CaseResult, Level, Say
 from validation.verdict import Verdict
 
@@ -181,7 +180,6 @@ def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
         return lambda level, say: part(problem, level, say)
 
-    require_one_beam(problem, "solvers are compared")
     runs = {"frequencies": bound(own_problem.frequencies)}
     if own_problem.has_equilibrium(problem):
         runs["equilibrium"] = bound(own_problem.equilibrium)

@@ -26,12 +26,13 @@ has a second row in the tables, with that place: a closed second row presses.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 
 from analytic.march.drag import drag_of
-from analytic.march.modal_state import LoadedStructure, ModalState, modal_state
+from analytic.march.modal_state import LoadedStructure, modal_state, passage
 from analytic.march.oscillator import (
     OSCILLATING,
     SPLIT,
@@ -40,7 +41,7 @@ from analytic.march.oscillator import (
     may_resonate,
     static_answer,
 )
-from analytic.march.tables import IntArray, Tables, stop_positions
+from analytic.march.tables import IntArray, Tables, stop_positions, tabulated_steps
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.machine.result_cache import cached
@@ -57,6 +58,7 @@ SAMPLED = 1j
 """The time derivative of a sampled load, as that of a harmonic is i omega: of two numbers for a sampled load, the real
 part is that of the load, the imaginary part that of its rate."""
 _TRIES = 8  # most such changes, each twice the one before
+_PASSAGES = 1024  # maps kept: a state has twice as many passages as without damping
 _STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
 
 
@@ -66,8 +68,8 @@ class Coupled:
 
     roots: ComplexArray
     """lambda of both roots of each oscillator, 1/s, shape ``(N, 2)``."""
-    kind: IntArray
-    """How each oscillator moves freely, shape ``(N,)``."""
+    frame: Frame
+    """What the tables hold of the state whatever the loads are."""
     to: FloatArray
     """T: (q, v) for unit (P, R), shape ``(2 N, 2 N)``."""
     back: FloatArray
@@ -107,6 +109,21 @@ def force_rows(problem: Problem) -> IntArray:
     damped = damped_rows(problem)
     rows[damped] = len(problem.structure.stops) + np.arange(damped.size)
     return rows
+
+
+def kept_by_force(problem: Problem, state: ContactState) -> set[int]:
+    """The stops whose gaps cannot switch while the damped stops press as in a state: their own, and those opposite.
+
+    A force that may not pull ends before its gap opens, and beyond that gap the gap of a stop on the other side of the
+    same place is open.
+    """
+    stops, found = problem.structure.stops, set[int]()
+    for k in state.closed:
+        it = stops[k]
+        if it.damping > 0 and not it.may_pull and k not in state.released:
+            opposite = (i for i, other in enumerate(stops) if other.place == it.place and other.sign != it.sign)
+            found |= {k, *(i for i in opposite if stops[i].gap + it.gap > 0 and i not in state)}
+    return found
 
 
 def is_coupled(problem: Problem, state: ContactState) -> bool:
@@ -217,6 +234,20 @@ def free_oscillators(
     return *best, own + coupling
 
 
+@cached(_PASSAGES)
+def whole_map(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> FloatArray:
+    """The map of the coordinates from one state to another, ``(2 N_new, 2 N_old)``, of which either may be coupled."""
+    S = np.eye(n_new, n_old)
+    if old.closed != new.closed:
+        S = passage(loaded, old.pressed, n_old, new.pressed, n_new).S
+    both = scipy.linalg.block_diag(S, S)
+    if is_coupled(loaded.problem, old):
+        both = both @ free_oscillators(loaded, old, n_old)[1]
+    if is_coupled(loaded.problem, new):
+        both = free_oscillators(loaded, new, n_new)[2] @ both
+    return np.asarray(both)
+
+
 def coupled(
     loaded: LoadedStructure,
     state: ContactState,
@@ -246,8 +277,9 @@ def coupled(
             f[0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
             f -= stop.damping * np.outer(turning * left_out[:, k], phi)
-    roots, to, back, D = free_oscillators(loaded, state, count)
-    roots = _detuned(roots, turning[1 : turning.size - sampled].imag, side)
+    free, to, back, D = free_oscillators(loaded, state, count)
+    roots = _detuned(free, turning[1 : turning.size - sampled].imag, side)
+    by = frame(loaded, state, count) if roots is free else _frame_of(loaded, state, count, roots, to)
     lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
     if moved:
         lag[-1], rise[-1] = (part[-1] * np.any(roots != 0, axis=1) for part in (lag, rise))
@@ -257,7 +289,7 @@ def coupled(
         push[-1].real[roots.prod(axis=1) == 0] = 0.0
     carried = lag.copy()
     carried[turning.size - sampled :] = lag[turning.size - sampled :].real
-    return Coupled(roots, kinds_of(roots), to, back, lag, carried, push, D)
+    return Coupled(roots, by, to, back, lag, carried, push, D)
 
 
 def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
@@ -273,24 +305,76 @@ def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArr
     return found
 
 
-def places_of(
-    problem: Problem,
-    state: ContactState,
-    modal: ModalState,
-    left_out: FloatArray,
-    it: Coupled,
-    turning: ComplexArray,
-) -> tuple[FloatArray, ComplexArray]:
-    """Weights of P and V at the places, kg^-1/2 and kg^-1/2 s, ``(U, 2, N)``, and what each load adds, m, ``(U, 1 + H +
-    R)``; arguments are as in `coupled`."""
-    stops = np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
-    plain, n = stops.size - damped_rows(problem).size, modal.size
+class Frame(NamedTuple):
+    """What the tables hold of a coupled state whatever the loads are: ``N`` oscillators, ``T`` terms, ``U`` places."""
+
+    kind: IntArray
+    """How each oscillator moves freely, shape ``(N,)``."""
+    mode_of: IntArray
+    """The oscillator of each term, shape ``(T,)``; second copies come last."""
+    own: int
+    """Number of terms without second copies."""
+    root: ComplexArray
+    """lambda of each term, 1/s, shape ``(T,)``."""
+    inverse: ComplexArray
+    """1 / lambda, s, or 0 where lambda is 0, shape ``(T,)``."""
+    turn: ComplexArray
+    """exp(lambda tau) of the tabulated steps, shape ``(J, T)``."""
+    reads: FloatArray
+    """Weights of P and V at the places, kg^-1/2 and kg^-1/2 s, shape ``(U, 2, N)``."""
+    weight: FloatArray
+    """Weight of each term at the places, kg^-1/2, shape ``(U, T)``."""
+    twist: FloatArray
+    """Weight of the second copy of each term, or 0, kg^-1/2, shape ``(U, T)``."""
+    delay: FloatArray
+    """c / k of the places that forces see, and 0 of the others, s, shape ``(U,)``."""
+
+
+@cached(_STATES)
+def frame(loaded: LoadedStructure, state: ContactState, count: int) -> Frame:
+    """The frame of a state whose oscillators no load has moved; not to be written to."""
+    roots, to, _, _ = free_oscillators(loaded, state, count)
+    return _frame_of(loaded, state, count, roots, to)
+
+
+def _frame_of(loaded: LoadedStructure, state: ContactState, count: int, roots: ComplexArray, to: FloatArray) -> Frame:
+    """The frame of a state with roots, 1/s, ``(N, 2)``, and T, ``(2 N, 2 N)``."""
+    problem, n, kind = loaded.problem, count, kinds_of(roots)
+    oscillating, split = (np.flatnonzero(kind == one) for one in (OSCILLATING, SPLIT))
+    mode_of, own = np.concatenate([np.arange(n), split, oscillating]), n + split.size
+    root = np.concatenate([roots[:, 0], roots[split, 1], roots[oscillating, 0]])
+    stops = _of_places(problem)
     tau = np.array([problem.structure.stops[k].damping / problem.structure.stops[k].stiffness for k in stops.tolist()])
-    tau[:plain] = 0.0
-    phi = modal.at_stops[stops]
-    reads = np.concatenate([phi, tau[:, None] * phi], axis=1) @ it.to
-    rest = left_out[:, stops].T * (1 + tau[:, None] * turning) - reads[:, n:] @ it.lag.T
-    return reads.reshape(-1, 2, n), rest
+    tau[: stops.size - damped_rows(problem).size] = 0.0
+    phi = modal_state(loaded, ContactState(state.closed), count).at_stops[stops]
+    reads = np.concatenate([phi, tau[:, None] * phi], axis=1) @ to
+    complex_weight = reads[:, mode_of] + reads[:, n + mode_of] * root
+    weight, twist = complex_weight.real.copy(), np.zeros(complex_weight.shape)
+    weight[:, own:], twist[:, oscillating] = complex_weight[:, own:].imag, complex_weight[:, oscillating].imag
+    return Frame(
+        kind,
+        mode_of,
+        own,
+        root,
+        np.divide(1.0, root, out=np.zeros(root.size, dtype=complex), where=root != 0),
+        np.exp(np.outer(tabulated_steps(problem), root)),
+        reads.reshape(-1, 2, n),
+        weight,
+        twist,
+        tau,
+    )
+
+
+def _of_places(problem: Problem) -> IntArray:
+    """A stop that sees each place: places of gaps, and then those of forces, shape ``(U,)``."""
+    return np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
+
+
+def beside(problem: Problem, it: Coupled, left_out: FloatArray, turning: ComplexArray) -> ComplexArray:
+    """What each load adds at the places, m, ``(U, 1 + H + R)``; arguments are as in `coupled`."""
+    reads, tau = it.frame.reads, it.frame.delay
+    seen = left_out[:, _of_places(problem)].T * (1 + tau[:, None] * turning)
+    return np.asarray(seen - reads[:, 1] @ it.lag.T)
 
 
 def _condition(to: FloatArray, scale: FloatArray) -> float:
@@ -306,39 +390,41 @@ def write_coupled(
     slot: int,
     problem: Problem,
     state: ContactState,
-    modal: ModalState,
     left_out: FloatArray,
     it: Coupled,
     turning: ComplexArray,
 ) -> None:
     """Write a coupled state, under loads of real size, into its empty slot; arguments are as in `coupled`."""
-    n, P = modal.size, len(problem.structure.stops)
-    oscillating, split = (np.flatnonzero(it.kind == kind) for kind in (OSCILLATING, SPLIT))
-    mode_of = np.concatenate([np.arange(n), split, oscillating])
-    root = np.concatenate([it.roots[:, 0], it.roots[split, 1], it.roots[oscillating, 0]])
-    terms = root.size
-    tables.modes[slot], tables.terms[slot], tables.fastest[slot] = n, terms, np.abs(root).max()
-    tables.kind[slot, :n], tables.mode_of[slot, :terms], tables.root[slot, :terms] = it.kind, mode_of, root
-    tables.inverse[slot, :terms] = np.divide(1.0, root, out=np.zeros(terms, dtype=complex), where=root != 0)
-    tables.turn[slot, :, :terms] = np.exp(np.outer(tables.step, root))
-    natural, rate = np.sqrt(it.stiffness), it.damping / 2
-    tables.static[slot, :n] = static_answer(it.push[0].real, natural, rate)
+    P, by = len(problem.structure.stops), it.frame
+    n, terms = by.kind.size, by.root.size
+    tables.modes[slot], tables.terms[slot], tables.own[slot] = n, terms, by.own
+    tables.fastest[slot] = np.abs(by.root).max()
+    tables.kind[slot, :n], tables.mode_of[slot, :terms], tables.root[slot, :terms] = by.kind, by.mode_of, by.root
+    tables.inverse[slot, :terms], tables.turn[slot, :, :terms] = by.inverse, by.turn
+    tables.gradient[slot, :, :, :n] = by.reads
+    tables.weight[slot, :, :terms], tables.twist[slot, :, :terms] = by.weight, by.twist
+    stiffness, damping = it.stiffness, it.damping
+    tables.static[slot, :n] = static_answer(it.push[0].real, np.sqrt(stiffness), damping / 2)
     tables.push[slot, :, :n] = it.push
-    for h, omega in enumerate(tables.omega.tolist()):
-        tables.harmonic[slot, h, :n] = it.push[1 + h] / (it.stiffness - omega**2 + 1j * omega * it.damping)
-    every, rest = places_of(problem, state, modal, left_out, it, turning)
-    for u, (reads, still) in enumerate(zip(every.reshape(-1, 2 * n), rest, strict=True)):
-        tables.gradient[slot, u, :, :n] = reads.reshape(2, n)
-        weight = reads[mode_of % n] + reads[n + mode_of] * root
-        tables.weight[slot, u, :terms] = weight.real
-        tables.weight[slot, u, n + split.size : terms] = weight[n + split.size :].imag
-        tables.twist[slot, u, oscillating] = weight[oscillating].imag
-        tables.constant[slot, u] = still[0].real
-        tables.forced[slot, u] = still[1 : 1 + tables.omega.size] + tables.harmonic[slot, :, :n] @ reads[:n]
-        tables.forced[slot, u] += 1j * tables.omega * (tables.harmonic[slot, :, :n] @ reads[n:])
-    tables.own[slot] = n + split.size
+    omega = tables.omega[:, None]
+    answers = it.push[1 : 1 + omega.size] / (stiffness - omega**2 + 1j * omega * damping)
+    tables.harmonic[slot, :, :n] = answers
+    still = beside(problem, it, left_out, turning)
+    tables.constant[slot] = still[:, 0].real
+    tables.forced[slot] = still[:, 1 : 1 + omega.size] + by.reads[:, 0] @ answers.T
+    tables.forced[slot] += by.reads[:, 1] @ (1j * omega * answers).T
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):
         tables.closed[slot, row] = k in state and k not in state.released
         tables.asleep[slot, row] = k not in state or problem.structure.stops[k].may_pull
-        tables.idle[slot, tables.position[row]] = tables.asleep[slot, row]
+    tables.asleep[slot, list(kept_by_force(problem, state))] = True
+    for u in range(tables.idle.shape[1]):
+        tables.idle[slot, u] = tables.asleep[slot, tables.position == u].all()
+
+
+def write_still(tables: Tables, slot: int) -> None:
+    """Write z at the positions under the constant loads, where damped stops may couple a state, to its filled slot."""
+    static, (by_q, by_v) = tables.static[slot], tables.gradient[slot].transpose(1, 0, 2)
+    tables.still[slot] = by_q @ static
+    tables.still[slot, :, :2] += by_v @ (static[:, 1:] * [1.0, 2.0])
+    tables.still[slot, :, 0] += tables.constant[slot]

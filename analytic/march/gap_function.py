@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, SupportsIndex
 
+from analytic.march.tables import BoolArray
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -114,14 +115,23 @@ def add_twisted(
 
 @njit_called()
 def at_positions(
-    forced: ComplexArray, omega: FloatArray, s: float, theta: ComplexArray, drift: FloatArray, out: FloatArray
+    forced: ComplexArray,
+    idle: BoolArray,
+    omega: FloatArray,
+    s: float,
+    theta: ComplexArray,
+    drift: FloatArray,
+    out: FloatArray,
 ) -> None:
     """Write to `out`, ``(U, 4)``, the part of z and its derivatives that does not depend on the modal terms.
 
-    `forced`, ``(U, H)``, holds the amplitudes of the forced motion, m; `omega`, ``(H,)``, rad/s, the frequencies; `s`
-    is the time since the start of the state, s, and `theta`, ``(H,)``, exp(i theta_h) now.
+    Positions that are `idle`, ``(U,)``, are left out.  `forced`, ``(U, H)``, holds the amplitudes of the forced motion,
+    m; `omega`, ``(H,)``, rad/s, the frequencies; `s` is the time since the start of the state, s, and `theta`,
+    ``(H,)``, exp(i theta_h) now.
     """
     for u in range(out.shape[0]):
+        if idle[u]:
+            continue
         z, z1, z2 = (
             drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2]),
             drift[u, 1] + 2 * s * drift[u, 2],

@@ -14,7 +14,16 @@ from typing import Any
 
 import numpy as np
 
-from analytic.march.coupled import SAMPLED, Coupled, coupled, force_rows, is_coupled, write_coupled
+from analytic.march.coupled import (
+    SAMPLED,
+    Coupled,
+    coupled,
+    force_rows,
+    is_coupled,
+    whole_map,
+    write_coupled,
+    write_still,
+)
 from analytic.march.known_states import KnownStates, memory_of
 from analytic.march.loads import MOVED_STOPS, Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
@@ -193,20 +202,17 @@ class Joint:
         """
         n_old, n_new = self.count(old), self.count(new)
         if old.closed == new.closed:
-            S, left_out = np.eye(n_new, n_old), np.zeros((self.turning.size, n_new))
+            left_out = np.zeros((self.turning.size, n_new))
         else:
-            made = self.passage(old.pressed, new.pressed)
-            S, left_out = made.S, made.residual
-        both = np.zeros((2 * n_new, 2 * n_old))
-        both[:n_new, :n_old] = both[n_new:, n_old:] = S
+            left_out = self.passage(old.pressed, new.pressed).residual
+        both = whole_map(self.loaded, old, n_old, new, n_new)
         load = np.concatenate([left_out, self.turning[:, None] * left_out], axis=1)
         before, after = self.coupled(old), self.coupled(new)
-        if before is not None:
-            load = load - before.carried @ (both @ before.to[:, n_old:]).T
-            both = both @ before.to
         if after is not None:
-            load, both = load @ after.back.T, after.back @ both
+            load = load @ after.back.T
             load[:, n_new:] += after.carried
+        if before is not None:
+            load = load - before.carried @ both[:, n_old:].T
         return both, load
 
     def from_modes(self, state: ContactState, q: FloatArray, v: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
@@ -315,6 +321,9 @@ class Joint:
 
     def _grow(self, slots: int, switches: int) -> None:
         self._own()
+        if self.damped:
+            before = self._memory.room
+            slots, switches = self._memory.room = max(slots, before[0]), max(switches, before[1])
         self.tables = grown(self.tables, slots, switches)
 
     def _fill(self, slot: int) -> None:
@@ -323,9 +332,8 @@ class Joint:
         state, size = self._states[slot], max(self.counts)
         it = self.coupled(state)
         if it is not None:
-            write_coupled(
-                self.tables, slot, self.loaded.problem, state, self.modal(state), self.left_out(state), it, self.turning
-            )
+            write_coupled(self.tables, slot, self.loaded.problem, state, self.left_out(state), it, self.turning)
+            write_still(self.tables, slot)
             return
         flat = self.flat(state)
         fill(self.tables, slot, flat)
@@ -337,6 +345,7 @@ class Joint:
         self._scale(self.tables, slot, unscaled)
         if self.damped:
             self.tables.push[slot] = self.tables.force[slot]
+            write_still(self.tables, slot)
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""

@@ -46,6 +46,8 @@ class Memory:
         self.known = KnownStates()
         """Replaced as a whole, so a thread reads either the old ones or the new ones.  Of two threads that add to it at
         once one may lose its addition: then that state is met again, which costs time and changes no bit."""
+        self.room = 0, 0
+        """Slots, and rows for switches, that the tables of joints with damped stops have grown to."""
 
 
 @lru_cache(maxsize=_KEPT)

@@ -102,7 +102,7 @@ def follow(
     slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
     theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest
     positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
-    drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
+    drift, tail = zeros((positions, 3)), zeros((positions, (tables.own[slot] or terms) + 1))
     theta0, term0 = theta.copy(), term[:terms].copy()
     for k in range(stops):
         area[k] = deepest[k] = 0.0
@@ -142,7 +142,7 @@ def follow(
         leaves = ended or (j + 1) % LOGGED == 0
         add_areas(tables, slot, s, theta0, term0, theta, term, drift, rigid, area)
         for k in range(stops if depth else 0):
-            if tables.closed[slot, k]:
+            if tables.closed[slot, k] and counts(tables, slot, k):
                 so_far, goes_on = deepest[k], not leaves
                 deepest[k] = deepest_of(tables, slot, k, s, theta0, term0, drift, rigid, so_far, goes_on)
         if ramps is None:
@@ -203,22 +203,23 @@ def search(
         terms = tables.own[slot]  # the copies are known from the others
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
+    twist, idle = tables.twist[slot], tables.idle[slot]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
     first, ramps_go_on = 0, rigid is not None and not beginning and tables.owner.size > 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
-        at_positions(forced, omega, s, theta, drift, out)
+        at_positions(forced, idle, omega, s, theta, drift, out)
         if rigid is not None:
             add_rigid(rigid, s, out)
         summed, want = np.int64(0), terms if (beginning and looks == 0) or close else min(_FIRST_MODES, terms)
         while True:
             far = True
             for u in range(positions):
-                if tables.idle[slot, u]:
+                if idle[u]:
                     continue
                 if twisted:
-                    z, z1, z2, b3 = add_twisted(weight[u], tables.twist[slot, u], term, root, summed, want)
+                    z, z1, z2, b3 = add_twisted(weight[u], twist[u], term, root, summed, want)
                 else:
                     z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
                 out[u, 0] += z
@@ -243,6 +244,8 @@ def search(
         for i in range(stops):
             # The stop that was the nearest goes first: for the others a glance is enough.
             k = first if i == 0 else (i - 1 if i <= first else i)
+            if shift[k] == math.inf:
+                continue
             u, closed = tables.position[k], tables.closed[slot, k]
             orientation = -tables.sign[k] if closed else tables.sign[k]
             h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
@@ -269,14 +272,12 @@ def search(
             if there:
                 k, u = which, tables.position[which]
                 orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
-                at_positions(forced, omega, s, theta, drift, out)
+                at_positions(forced, idle, omega, s, theta, drift, out)
                 if rigid is not None:
                     add_rigid(rigid, s, out)
                 if twisted:
                     rate = orientation * out[u, 1]
-                    rate += (
-                        orientation * add_twisted(weight[u], tables.twist[slot, u], term, root, np.int64(0), terms)[1]
-                    )
+                    rate += orientation * add_twisted(weight[u], twist[u], term, root, np.int64(0), terms)[1]
                 else:
                     rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, np.int64(0), terms)[1])
                 break
@@ -289,6 +290,12 @@ def search(
             which = NO_PROGRESS
             break
     return s, which, rate
+
+
+@njit_inner(inline="always")
+def counts(tables: Tables, slot: int, k: int) -> bool:
+    """Whether the penetration of a row is asked for: where the force of a damped stop acts, its own row has none."""
+    return tables.owner.size == 0 or tables.owner[k] >= 0 or not tables.asleep[slot, k]
 
 
 @njit_inner()
@@ -309,6 +316,8 @@ def _bound_twisted_tails(tables: Tables, slot: int, term: ComplexArray, tail: Fl
     for t in range(tables.own[slot] - 1, -1, -1):
         size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
         for u in range(tail.shape[0]):
+            if tables.idle[slot, u]:
+                continue
             weight, twist = tables.weight[slot, u, t], tables.twist[slot, u, t]
             tail[u, t] = tail[u, t + 1] + math.sqrt(weight * weight + twist * twist) * size
 
@@ -363,7 +372,7 @@ def add_areas(
     ``(T,)``, are those at the start; `theta` and `term` those at the end.  `drift` and `rigid` are as in `search`.
     """
     for k in range(area.size):
-        if not tables.closed[slot, k]:
+        if not tables.closed[slot, k] or not counts(tables, slot, k):
             continue
         u = tables.position[k]
         weight, inverse, forced = tables.weight[slot, u], tables.inverse[slot], tables.forced[slot, u]

@@ -138,6 +138,9 @@ class Tables(NamedTuple):
     gradient: FloatArray
     """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
     N)``; ``(S, 0, 2, 0)`` if no state may be coupled."""
+    still: FloatArray
+    """Coefficients of 1, s, s^2 of z at the positions of the stops under the constant loads alone, m divided by powers
+    of s, shape ``(S, U, 3)``; ``(S, 0, 3)`` if no state may be coupled."""
     push: ComplexArray
     """`force` of states that may be coupled, kg^1/2 m/s^2, ``(S, 1 + H, N)``; ``(S, 0, 0)`` if none may be."""
     next_slot: IntArray
@@ -366,6 +369,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         own=np.zeros(S, dtype=np.int64),
         twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
+        still=np.zeros((S, V, 3)),
         push=np.zeros((S, 1 + H if may_couple else 0, M), dtype=complex),
         next_slot=np.full((S, P), -1, dtype=np.int64),
         passage=np.full((S, P), -1, dtype=np.int64),

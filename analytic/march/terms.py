@@ -24,7 +24,7 @@ import math
 
 import numpy as np
 
-from analytic.march.oscillator import OSCILLATING, SPLIT
+from analytic.march.oscillator import DRIFTING, OSCILLATING, SPLIT
 from analytic.march.tables import PARTS, Tables
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.compiling import njit_called, njit_inner
@@ -218,6 +218,9 @@ def turn_exactly(
 @njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
     """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m divided by powers of s."""
+    if tables.owner.size > 0:
+        _drift_of_coupled(tables, slot, poly, drift)
+        return
     for u in range(drift.shape[0]):
         drift[u, 0] = tables.constant[slot, u]
         drift[u, 1] = 0.0
@@ -225,16 +228,19 @@ def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArra
         for i in range(tables.modes[slot]):
             for order in range(3):
                 drift[u, order] += tables.weight[slot, u, i] * poly[i, order]
-        if tables.owner.size > 0:
-            _drift_of_coupled(tables, slot, u, poly, drift)
 
 
 @njit_inner()
-def _drift_of_coupled(tables: Tables, slot: int, u: int, poly: FloatArray, drift: FloatArray) -> None:
-    """Write `drift` at position `u` where a position reads displacements and velocities."""
-    drift[u, 0], drift[u, 1], drift[u, 2] = tables.constant[slot, u], 0.0, 0.0
+def _drift_of_coupled(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
+    """`drift_at_stops` where a position reads displacements and velocities: modes that drift freely move beside
+    `still`."""
+    for u in range(drift.shape[0]):
+        for order in range(3):
+            drift[u, order] = tables.still[slot, u, order]
     for i in range(tables.modes[slot]):
-        by_q, by_v = tables.gradient[slot, u, 0, i], tables.gradient[slot, u, 1, i]
-        drift[u, 0] += by_q * poly[i, 0] + by_v * poly[i, 1]
-        drift[u, 1] += by_q * poly[i, 1] + 2 * by_v * poly[i, 2]
-        drift[u, 2] += by_q * poly[i, 2]
+        if tables.kind[slot, i] == DRIFTING:
+            place, speed = poly[i, 0] - tables.static[slot, i, 0], poly[i, 1] - tables.static[slot, i, 1]
+            for u in range(drift.shape[0]):
+                by_q, by_v = tables.gradient[slot, u, 0, i], tables.gradient[slot, u, 1, i]
+                drift[u, 0] += by_q * place + by_v * speed
+                drift[u, 1] += by_q * speed

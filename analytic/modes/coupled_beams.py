@@ -12,9 +12,11 @@ of the couplings or the displacements are eliminated first (E. V. Haynsworth, Li
 infinite spring has 1 / kappa = 0.  R has poles at the frequencies of the beams alone, where both terms jump and J does
 not.
 
-R of a beam without supports grows as 1 / z^4, and would leave no digits to slow modes.  So both ends of each beam are
-held, by springs of about the beam's own dynamic stiffness at z, and couplings of the negative stiffness to the base let
-them go again; the count holds for any stiffness.
+R of a beam without supports grows as 1 / z^4, and would leave no digits to the bending of a beam below its first
+bending frequency.  So both ends of each beam are held by springs, and couplings of the negative stiffness to the base
+let them go again; the count holds for any stiffness.  Springs as stiff as the beam would leave no digits to its
+inertia.  At the geometric mean of stiffness and inertia both lose the square of the distance in z from the first
+bending frequency.
 
 The matrix of all conditions is that of the beams, [g] of (15), bordered by the forces of the couplings: each force acts
 on both of its nodes, and is kappa times the difference of their motions.  Its determinant has no poles.  Isolated roots
@@ -43,23 +45,26 @@ from analytic.modes.characteristic_equation import IntArray, Layout, Spring, cou
 from lapjoint.errors import SolverError
 from lapjoint.problem import FloatArray
 
-_ERROR = 1e-11
-"""Largest relative error of a root, above the first bending frequency of the slowest beam: ten times what counts need,
-which lose digits where a frequency of a beam alone is near."""
-_SLOWEST = 1e-3
-"""Least root but 0, divided by that of the slowest beam: (1e-3)^4 is a thousand times the rounding of stiffnesses."""
+_ERROR = 1e-12
+"""Largest relative error that the count allows a root above the bending of the stiffest beam, some thousand rounding
+errors, as of one beam; below, it allows the square of the distance times as much."""
+_SLOWEST = 1e-4
+"""Least root but 0, divided by beta L of the stiffest beam: there the count has eight digits left.  At 1e-5 it errs
+where 24 links join two beams side by side, at 1e-6 where five do."""
 _SOLID = 1e-9
 """Singular value of unit rows of displacements below which springs leave a motion of rigid beams free."""
 
 
 @dataclass(frozen=True)
 class _Held(Layout):
-    """One beam whose ends are held by springs of about its dynamic stiffness."""
+    """One beam whose ends are held by springs."""
 
     def hold(self, node: int, z: FloatArray) -> FloatArray:
-        """Stiffness of the spring at an end, times L^3 / EI, ``(n,)``."""
+        """Stiffness of the spring at an end, times L^3 / EI, ``(n,)``: the beam's dynamic stiffness above its first
+        bending frequency; below, the geometric mean of its stiffness and its inertia."""
         span = min(node, self.spans.size - 1)
-        return np.asarray(self.stiffness[span] * (1 / self.x[-1] + self.wave[span] * z) ** 3)
+        own = self.wave[span] * z
+        return np.asarray(self.stiffness[span] * own**2 * (1 / self.x[-1] + own))
 
     def springs(self, node: int, fourth: FloatArray) -> tuple[Spring, Spring]:
         """`Layout.springs` with the holding springs."""
@@ -99,9 +104,9 @@ class CoupledBeams:
         )
 
     @cached_property
-    def slowest(self) -> float:
-        """beta L of the slowest beam: 1 over its length in units of its own waves."""
-        return min(1 / float(part.wave @ part.spans) for part in self.parts)
+    def stiffest(self) -> float:
+        """beta L of the beam that bends fastest: 1 over its length in units of its own waves."""
+        return max(1 / float(part.wave @ part.spans) for part in self.parts)
 
     def count_below(self, z: FloatArray) -> IntArray:
         """Number of natural frequencies, rigid-body modes included, below each trial value beta L > 0, ``(n,)``."""
@@ -238,9 +243,12 @@ class CoupledBeams:
         """
         rigid = min(self.rigid().shape[0], count)
         index = np.arange(rigid, count)
-        lo = np.full(index.size, _SLOWEST * self.slowest)
+        lo = np.full(index.size, _SLOWEST * self.stiffest)
         if index.size and self.count_below(lo[:1])[0] > rigid:
-            raise SolverError("supports and links are so soft that rounding hides the slowest modes")
+            raise SolverError(
+                "a mode is slower than 1e-8 sqrt(EI / m) / length^2 of the stiffest beam, and rounding would hide it: "
+                "supports, links or other beams are too soft, or masses too heavy, beside that beam"
+            )
         waves, most = float(self.layout.wave @ self.layout.spans), count + 2 * self.layout.spans.size + 1
         hi = np.full(index.size, math.pi * (most + len(self.layout.couplings)) / waves)
         for _ in range(12):
@@ -258,7 +266,7 @@ class CoupledBeams:
             narrow = self._bisect(index[~alone], lo[~alone], hi[~alone], steps=80)
             roots[~alone] = (narrow[0] + narrow[1]) / 2
         roots = np.sort(roots)
-        error = _ERROR * np.maximum(1.0, self.slowest / roots) ** 2
+        error = _ERROR * np.maximum(1.0, self.stiffest / roots) ** 2
         beside = np.concatenate([roots * (1 - error), roots * (1 + error)])
         below, above = self.count_below(beside).reshape(2, -1)
         wrong = np.flatnonzero((below > index) | (above <= index))
@@ -285,7 +293,10 @@ def _generalised(stiffness: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def _receptance_of(part: _Held, z: FloatArray, places: list[tuple[int, int, int, float]]) -> FloatArray:
-    """Motions at places under unit forces there, ``(n, p, p)``; a place is an index, a node, a derivative, a sign."""
+    """Motions at places under unit forces there, ``(n, p, p)``; a place is an index, a node, a derivative, a sign.
+
+    Of the two motions that are equal, that under the force at the stiffer place is taken: a heavy mass hardly moves.
+    """
     solutions = mode_solutions(part, z)
     band, factors = boundary_band(part, solutions)
     loads, reading = np.zeros((z.size, band.shape[2], len(places))), np.zeros((z.size, len(places), band.shape[2]))
@@ -297,4 +308,5 @@ def _receptance_of(part: _Held, z: FloatArray, places: list[tuple[int, int, int,
         assert values is not None
         reading[:, i, 4 * span : 4 * span + 4] = sign * values[:, d]
     found = reading @ np.linalg.solve(whole(band), loads)
-    return np.asarray((found + found.transpose(0, 2, 1)) / 2)
+    own = np.abs(np.einsum("nii->ni", found))
+    return np.asarray(np.where(own[:, None, :] <= own[:, :, None], found, found.transpose(0, 2, 1)))

@@ -49,7 +49,9 @@ _POOL = 40  # least number of modes computed at once
 FEW_SPANS = 6  # most spans for which all modes are solved at once, by dense matrices; beyond, one by one, by bands
 _TWIN = 1e-12  # relative distance of roots below which rounding makes them one root to the boundary matrix
 _NEIGHBOURS = 1e-5  # relative distance of roots of several beams below which a null vector is a singular vector
-_SHARED = 1e-12  # singular value, divided by the largest, of a null vector: a root itself is known to a hundredth of it
+_SHARED = 1e-12
+"""Singular value, divided by the largest, of a null vector: a root itself is known to a hundredth of it.  A root below
+that of the slowest beam alone is known less well, by the square of their ratio."""
 _STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
 _TAKES_PART = 1e-3  # least part of a beam in a mode, as a fraction of the largest, with which it decides the sign
 _BESIDE = 1e-12  # distance of a mass beyond a beam's end, as a fraction of the line, that is rounding
@@ -157,7 +159,8 @@ def coupled_shapes(coupled: CoupledBeams, z: FloatArray, L: float) -> BeamFuncti
         # A root whose matrix has several null vectors, to rounding, shares them with the roots after it.
         if first >= member:
             _, values, vectors = np.linalg.svd(matrix[first])
-            shared = max(1, int(np.count_nonzero(values < _SHARED * values[0])))
+            null = _SHARED * max(1.0, coupled.slowest / z[first]) ** 2 * values[0]
+            shared = max(1, int(np.count_nonzero(values < null)))
             member = min(first + shared, z.size)
             found[first:member] = vectors[-shared:][: member - first]
     left = np.abs(np.einsum("nij,nj->ni", matrix, found)).max(axis=1, initial=0.0)

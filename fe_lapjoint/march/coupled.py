@@ -34,8 +34,9 @@ import scipy.linalg
 from fe_lapjoint.march.compiled import integrals
 from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.propagator import Flow
-from fe_lapjoint.march.system import ComplexArray, IndexArray, System
+from fe_lapjoint.march.system import ComplexArray, Coordinates, IndexArray, ModalRamps, System
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.machine.result_cache import cached
 from lapjoint.problem import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop
 
@@ -45,6 +46,7 @@ _SKEW = 3e6
 _APART = 1e-13
 """Relative change of the stops' damping that parts two such eigenvalues, by its square root; doubled until it does."""
 _ATTEMPTS = 8
+_KEPT = 256  # states whose free motions are kept, each of half a megabyte with 40 elements
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +57,8 @@ class Exponentials:
     """Rates r, 1/s, shape ``(T,)``."""
     modes: ComplexArray
     """Modal displacements of each term of unit amplitude, kg^1/2 m, shape ``(n, T)``."""
+    speeds: ComplexArray
+    """Modal velocities of each term of unit amplitude, kg^1/2 m/s, shape ``(n, T)``."""
     back: ComplexArray
     """Amplitudes c for units of (q, q') at the start, shape ``(T, 2 n)``."""
     rest: FloatArray | None
@@ -66,7 +70,16 @@ def exponentials(omega: FloatArray, own: FloatArray, coupling: FloatArray) -> Ex
     """The free motions of q'' + D q' + omega^2 q = 0, of frequencies ``(n,)`` and matrices D = own + coupling, 1/s.
 
     Where two eigenvectors nearly coincide, as at critical damping, `coupling` is changed by as little as parts them.
+    They are kept by the numbers that they depend on: the same joint asks for them again under other loads.
     """
+    return _kept_exponentials(omega.tobytes(), own.tobytes(), coupling.tobytes())
+
+
+@cached(_KEPT)
+def _kept_exponentials(*numbers: bytes) -> Exponentials:
+    """`exponentials` of arrays in the form of bytes; not to be written to."""
+    omega, *both = (np.frombuffer(part) for part in numbers)
+    own, coupling = (matrix.reshape(omega.size, -1) for matrix in both)
     best, least = None, math.inf
     for i in range(_ATTEMPTS):
         found, skew = _exponentials(omega, own + coupling * (1 + (_APART * 2**i if i else 0.0)))
@@ -95,18 +108,18 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     rates, vectors = values[upper], vectors[:, upper]
     inverse = _amplitudes_of(vectors, rates.imag > 0)
     rates = np.minimum(rates.real, 0.0) + 1j * rates.imag
-    modes, back = np.zeros((n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
-    modes[moving] = vectors[m:] / rates
+    (modes, speeds), back = np.zeros((2, n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
+    modes[moving], speeds[moving] = vectors[m:] / rates, vectors[m:]
     modes[e] = vectors[:m] / s[:, None]
     back[:, e], back[:, n + moving] = inverse[:, :m] * s, inverse[:, m:]
     if bends.all():
-        return Exponentials(rates, modes, back, None), skew
+        return Exponentials(rates, modes, speeds, back, None), skew
     rest, rigid = np.zeros((2, n, 2 * n)), np.flatnonzero(~bends)
     rest[0, rigid] = -(modes[rigid] @ back).real
     rest[0, rigid, rigid] += 1.0
     alone = np.flatnonzero(~bends & ~dragged)
     rest[1, alone, n + alone] = 1.0
-    return Exponentials(rates, modes, back, rest), skew
+    return Exponentials(rates, modes, speeds, back, rest), skew
 
 
 def _amplitudes_of(vectors: ComplexArray, ring: npt.NDArray[np.bool_]) -> ComplexArray:
@@ -237,11 +250,24 @@ class Coupled(System):
         """(q, q') under the constant forces at the start, shape ``(2 n,)``."""
         return np.concatenate([self.steady[:, 0], self.steady[:, 1]])
 
-    def rates(self, t: float, y: FloatArray) -> FloatArray:
-        """d(q, q')/dt at time `t`, s, from `y` = (q, q'), shape ``(2 n,)``."""
-        q, v = y[: self.omega.size], y[self.omega.size :]
-        force = self.constant + (self.push @ np.exp(1j * (self.driven * t + self.phase))).imag
-        return np.concatenate([v, force - self.D @ v - self.omega**2 * q])
+    @property
+    def loads(self) -> ComplexArray:
+        """See `System.loads`."""
+        return self.push
+
+    def drag(self, v: FloatArray) -> FloatArray:
+        """See `System.drag`."""
+        return np.asarray(self.D @ v)
+
+    def sizes(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """See `System.sizes`."""
+        own = np.abs(self.places)
+        return np.asarray((own @ q + self.delay * (own @ v))[self.place_of])
+
+    def read(self, coordinates: Coordinates, t: FloatArray, dt: int = 0) -> FloatArray:
+        """See `System.read`; points that read z + (c / k) z' take the next derivative, too."""
+        z, rate = (self.places @ coordinates(t, d) + self._seen_at_places(t, d) for d in (dt, dt + 1))
+        return np.asarray((z + self.delay[:, None] * rate)[self.place_of])
 
     def flown(self, s: float, deviations: FloatArray) -> FloatArray:
         """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later."""
@@ -425,6 +451,8 @@ def coupled_system(
     given = {field.name: getattr(base, field.name) for field in fields(System)}
     given |= {"state": state, "places": np.concatenate([base.places, base.stops[closed]])}
     given["seen"] = np.concatenate([base.seen, base.seen[base.place_of[closed]]])
+    if base.ramps is not None:
+        given["ramps"] = _damped_ramps(base, base.ramps, state, stops, closed)
     given["place_of"] = row_places[searched_rows(stops, state)]
     same = alike is not None and alike.omega is base.omega
     return Coupled(
@@ -436,6 +464,17 @@ def coupled_system(
         push=push,
         row_places=row_places,
     )
+
+
+def _damped_ramps(
+    base: System, ramps: ModalRamps, state: ContactState, stops: Sequence[PlacedStop], closed: list[int]
+) -> ModalRamps:
+    """The sampled forces with those of dampers that move with the base, of the `closed` damped stops."""
+    push, seen = ramps.base.copy(), ramps.seen[base.place_of[closed]]
+    for k, share in zip(closed, seen, strict=True):
+        if k not in state.released:
+            push[:, 1] -= stops[k].damping * share * np.where(base.omega > 0, base.stops[k], 0.0)
+    return replace(ramps, base=push, seen=np.concatenate([ramps.seen, seen]))
 
 
 def searched_rows(stops: Sequence[PlacedStop], state: ContactState) -> IndexArray:

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
-from fe_lapjoint.march.propagator import Coordinates
+from fe_lapjoint.march.system import Coordinates
 from lapjoint.answers import Contact, History
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.answers.dissipation import with_dissipation, without_stored
@@ -74,9 +73,8 @@ def history_of(name: str, model: Model, motions: Sequence[March], period: float,
         field=ElementField(model, tuple(pieces)),
         highest_mode=max(float(np.max(model.system(state).omega)) for state in {piece.state for piece in pieces}),
     )
-    if all(model.system(state).plain for state in states if isinstance(model.system(state), Coupled)):
-        return without_stored(made)
-    return with_dissipation(made, max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states)))
+    fastest = max(float(model.system(state).moduli.max(initial=0.0)) for state in set(states))
+    return with_dissipation(without_stored(made), fastest)
 
 
 def _later(piece: Piece, offset: float) -> Piece:

@@ -15,8 +15,8 @@ import numpy as np
 from fe_lapjoint.march.compiled import above_trough, at_place, at_row
 from fe_lapjoint.march.envelope import from_chord, from_tangent
 from fe_lapjoint.march.events import BoolArray, GapReaders, in_python, searching
-from fe_lapjoint.march.propagator import Coordinates, Flow
-from fe_lapjoint.march.system import SAMPLES, ComplexArray, IndexArray, System
+from fe_lapjoint.march.propagator import Flow
+from fe_lapjoint.march.system import SAMPLES, ComplexArray, Coordinates, IndexArray, System
 from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -185,8 +185,8 @@ class SolutionGaps:
         return np.asarray(self.orientation[:, None] * z - self.offset[:, None])
 
     def _at_stops(self, t: FloatArray, dt: int) -> FloatArray:
-        """The `dt`-th derivative of the displacement that the gaps see at times ``(m,)``: m s^-dt, ``(P, m)``."""
-        return np.asarray(self.system.stops @ self.coordinates(t, dt) + self.system.seen_motion(t, dt))
+        """The `dt`-th derivative of what the gap functions read at times ``(m,)``: m s^-dt, ``(P, m)``."""
+        return self.system.read(self.coordinates, t, dt)
 
     def first_switch(self, rounding: FloatArray, fresh: BoolArray) -> tuple[float, int]:
         """The first switch on the grid. See `fe_lapjoint.march.events.searching`."""
@@ -234,5 +234,5 @@ class SolutionGaps:
     @cached_property
     def rounding(self) -> FloatArray:
         """Rounding error of each gap function, m, shape ``(P,)``."""
-        q = np.abs(self.coordinates(np.array([self.start]), 0)[:, 0])
-        return np.asarray(32 * np.finfo(float).eps * (np.abs(self.system.stops) @ q + np.abs(self.offset)))
+        q, v = (np.abs(self.coordinates(np.array([self.start]), dt)[:, 0]) for dt in (0, 1))
+        return np.asarray(32 * np.finfo(float).eps * (self.system.sizes(q, v) + np.abs(self.offset)))

@@ -94,9 +94,9 @@ def _derivative(model: Model, state: ContactState, order: int) -> tuple[FloatArr
                 shape = initial.displacement_at if n == 0 else initial.velocity_at
                 pull, of_pull = _elastic_forces(model.assembly, system, shape)
             push, of_push = _forces(system, n)
-            drag, of_drag = 2 * system.damping_rate * v, 2 * system.damping_rate * of_v
+            drag, of_drag = system.drag(v[:, None])[:, 0], 2 * system.damping_rate * of_v
             if isinstance(system, Coupled):
-                drag, of_drag = system.D @ v, np.abs(system.D) @ of_v
+                of_drag = np.abs(system.D) @ of_v
             error = of_push + of_pull + of_drag + _DIGITS_LOST * (np.abs(pull) + np.abs(drag))
             (x, of_x), (v, of_v) = (v, of_v), _cleared(push - pull - drag, error)
         reading = np.abs(system.stops)
@@ -108,6 +108,9 @@ def _base_motion(model: Model, order: int) -> tuple[FloatArray, FloatArray]:
     shares = np.array([stop.base_share for stop in model.problem.structure.stops])
     sizes = [(wave.amplitude * wave.angular_frequency**order, wave.phase) for wave in model.problem.moved_stops]
     total = sum(size * (1j**order * np.exp(1j * phase)).imag for size, phase in sizes)
+    if model.problem.forces.seen is not None and model.problem.forces.ramps is not None and order < 4:
+        y = float(model.problem.forces.ramps.base_at(np.zeros(1))[order, 0])
+        total, sizes = total + y, [*sizes, (abs(y), 0.0)]
     return shares * total, np.abs(shares) * _DIGITS_LOST * sum(size * (1 + abs(phase)) for size, phase in sizes)
 
 
@@ -119,14 +122,11 @@ def _cleared(values: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatA
 def _forces(system: System, order: int) -> tuple[FloatArray, FloatArray]:
     """A time derivative of the modal forces at t = 0, and its rounding error, kg^1/2 m/s^(2 + order), ``(n,)`` each."""
     power = system.driven**order
-    total = system.harmonic @ (power * np.imag(1j**order * np.exp(1j * system.phase)))
-    if isinstance(system, Coupled):
-        total = (system.push @ (power * 1j**order * np.exp(1j * system.phase))).imag
-    loads = system.push if isinstance(system, Coupled) else system.harmonic
-    size = np.abs(loads).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
+    total = (system.loads @ (power * 1j**order * np.exp(1j * system.phase))).imag
+    size = np.abs(system.loads).max(axis=0, initial=0.0) @ (power * (1 + np.abs(system.phase)))
     parts = [system.constant] if order == 0 else []
-    if system.ramps is not None and order < 2:
-        parts.append(system.ramps.at(0.0)[order])
+    if system.ramps is not None:
+        parts.append(system.ramps.at(np.zeros(1), order)[:, 0])
     for part in parts:
         total, size = total + part, size + np.abs(part).max()
     return _cleared(total, np.full_like(total, _DIGITS_LOST * size))

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from fe_lapjoint.march.coupled import CoupledFlow, flow_from
+from fe_lapjoint.march.coupled import Coupled, CoupledFlow, flow_from
 from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
 from fe_lapjoint.march.model import Model, acting
 from fe_lapjoint.march.peaks import deepest
-from fe_lapjoint.march.propagator import Coordinates, Flow
+from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.ramp_march import RampMotion, follow
-from fe_lapjoint.march.system import SAMPLES, IndexArray, System
+from fe_lapjoint.march.system import SAMPLES, Coordinates, IndexArray, System
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import SolverError
@@ -32,8 +32,8 @@ from lapjoint.machine.memory import require
 from lapjoint.problem import FloatArray
 from lapjoint.solver import Progress
 
-_GAUSS = np.polynomial.legendre.leggauss(10)
-"""Points and weights of Gauss' rule on [-1, 1]."""
+_GAUSS = np.polynomial.legendre.leggauss(7)
+"""Points and weights of Gauss' rule on [-1, 1], exact for the polynomials of degree 13 at most of dense output."""
 _PIECE = 1000
 """Upper estimate of the memory of a piece of a motion, beside (q, q') at its start, bytes."""
 _ACCOUNTED = 1024
@@ -63,6 +63,33 @@ class FlowFrom:
 
 
 @dataclass(frozen=True, slots=True)
+class LibraryMotion:
+    """A motion by dense output of a library method; as `Coordinates`."""
+
+    system: System
+    dense: Any
+    """scipy's `OdeSolution` of (q, q')."""
+
+    def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative (0 to 3) of the modal displacements at times ``(m,)``, shape ``(n, m)``."""
+        found = [*self.dense(t).reshape(2, -1, t.size)]
+        for order in range(dt - 1):
+            found.append(self.system.next_derivative(t, found[order], found[order + 1], order))
+        return np.asarray(found[dt])
+
+    def areas(self, end: float) -> FloatArray:
+        """The time integral of what the forces of the stops read, from the start to `end`, m s, shape ``(P,)``.
+
+        Gauss' rule takes each step of the method, on which dense output is a polynomial: a step is as short as the fast
+        motion after a switch needs.
+        """
+        edges = np.append(self.dense.ts[self.dense.ts < end], end)
+        half = np.diff(edges)[:, None] / 2
+        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
+        return np.asarray(self.system.of_forces.read(self, t) @ w)
+
+
+@dataclass(frozen=True, slots=True)
 class Piece:
     """A stretch of the motion in one state, as integrated."""
 
@@ -87,13 +114,15 @@ class Piece:
 
     def kept(self, model: Model) -> Piece:
         """This piece with coordinates that are rebuilt at each call, for later use."""
+        if isinstance(self.coordinates, RampMotion):
+            return replace(self, coordinates=replace(self.coordinates))  # without its amplitudes
         if not isinstance(self.coordinates, Flow):
             return self
         return replace(self, coordinates=FlowFrom(model.system(self.state), self.start, self.y))
 
 
-def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> Coordinates:
-    """Modal coordinates from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
+def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatArray) -> LibraryMotion:
+    """The motion from `t` to `end`, s, by a library method; `y` is (q, q') at the start, shape ``(2 n,)``.
 
     A method that stops before the end of the window gives a SolverError.
     """
@@ -104,15 +133,7 @@ def integrate(model: Model, state: ContactState, t: float, end: float, y: FloatA
     solution = solve_ivp(system.rates, (t, end), y, dense_output=True, **options)
     if not solution.success:
         raise SolverError(f"solve_ivp with {model.method} stopped at t = {solution.t[-1]:.9g} s: {solution.message}")
-    n = system.omega.size
-
-    def coordinates(times: FloatArray, dt: int = 0) -> FloatArray:
-        values = solution.sol(times)
-        if dt == 2:
-            return np.array([system.rates(s, values[:, i])[n:] for i, s in enumerate(times)]).T
-        return np.asarray(values[:n] if dt == 0 else values[n:])
-
-    return coordinates
+    return LibraryMotion(system, solution.sol)
 
 
 @dataclass(frozen=True)
@@ -153,7 +174,7 @@ class _LastingContact:
     deepest: float = 0.0
     """Largest penetration so far, m."""
     work: float = 0.0
-    """Energy that a damped stop took so far, J."""
+    """Energy that a damped stop took so far, J; not a number where the motion has no closed form of it."""
 
 
 @dataclass
@@ -309,7 +330,7 @@ def _advance(
             rows = model.rows(state)
             rounding = previous.rounding_until_now(gaps.rounding, rows)
             time, row = gaps.first_switch(grid, h, rounding, previous.switch[rows] == t)
-            stop = row if isinstance(rows, slice) or row < 0 else int(rows[row])
+            stop = _switched(rows, row)
             clear = bool(np.all(h.max(axis=1) <= -gaps.curvature * (2 * step) ** 2 / 8))
         until, stop = (time, stop) if time <= until else (until, -1)
         return Piece(state, t, until, y, flow, stop), flow.at(until), clear
@@ -321,49 +342,53 @@ def _advance_on_ramps(
 ) -> tuple[Piece, FloatArray]:
     """A piece over knots of sampled forces, up to a switch at the latest, and (q, q') at its end."""
     knots, last = model.block_at(t)
-    motion = RampMotion(model.ramp_tables(state, window), knots, t, y)
-    until, y_end, switched = follow(
-        motion, min(end, last) if last > t else end, previous.switch == t, previous.shift, previous.rounding
-    )
-    return Piece(state, t, until, y, motion, switched), y_end
+    motion, rows = RampMotion(model.ramp_form(state, window), knots, t, y), model.rows(state)
+    shift, rounding = previous.shift[rows], previous.rounding[rows]
+    until, y_end, row = follow(motion, min(end, last) if last > t else end, previous.switch[rows] == t, shift, rounding)
+    previous.shift[rows], previous.rounding[rows] = shift, rounding
+    return Piece(state, t, until, y, motion, _switched(rows, row)), y_end
+
+
+def _switched(rows: IndexArray | slice, row: int) -> int:
+    """Which of all gap functions switches, from its number among those that may; -1 for none."""
+    return row if isinstance(rows, slice) or row < 0 else int(rows[row])
 
 
 def _advance_by_library(
     model: Model, state: ContactState, t: float, end: float, y: FloatArray, previous: _PreviousWindow
 ) -> tuple[Piece, FloatArray]:
     """A window integrated by `solve_ivp`, and (q, q') at its end."""
-    coordinates = integrate(model, state, t, end, y)
+    coordinates, rows = integrate(model, state, t, end, y), model.rows(state)
     gaps = SolutionGaps(model.system(state), coordinates, t, end, model.orientation(state), model.offset(state))
-    time, stop = math.inf, -1
+    time, row = math.inf, -1
     if model.sign.size:
-        time, stop = gaps.first_switch(previous.rounding_until_now(gaps.rounding, slice(None)), previous.switch == t)
-    until = end if stop < 0 else time
+        time, row = gaps.first_switch(previous.rounding_until_now(gaps.rounding, rows), previous.switch[rows] == t)
+    until = end if row < 0 else time
     at = np.array([until])
     y_end = np.concatenate([coordinates(at, dt)[:, 0] for dt in (0, 1)])
-    return Piece(state, t, until, y, coordinates, stop), y_end
+    return Piece(state, t, until, y, coordinates, _switched(rows, row)), y_end
 
 
 def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], peaks: bool) -> None:
     """Add a piece to the area and the depth of the contacts that last through it."""
     if not lasting or piece.end <= piece.start:
         return
-    system, duration = model.system(piece.state), piece.end - piece.start
+    duration = piece.end - piece.start
     if isinstance(piece.coordinates, RampMotion):
         closed, deepest_ = np.zeros(model.sign.size, dtype=bool), np.zeros(model.sign.size)
         for k, contact in lasting.items():
             closed[k], deepest_[k] = True, contact.deepest
-        area, deepest_ = piece.coordinates.accounted(piece.end, peaks, closed, deepest_)
+        damped = np.array([stop.damping for stop in model.problem.structure.stops])
+        area, deepest_, works = piece.coordinates.accounted(piece.end, peaks, closed, damped > 0, deepest_)
         for k, contact in lasting.items():
             contact.deepest = float(deepest_[k])
+            if peaks and damped[k]:
+                contact.work += float(model.stiffness[k] * works[k, 0] + damped[k] * works[k, 1])
         peaks = False
     elif piece.flow is not None:
         area = piece.flow.integral_at_stops(piece.end)
-    else:
-        # Ten Gauss points on each of 16 panels are more accurate than the integrators' dense output.
-        edges = np.linspace(piece.start, piece.end, 17)
-        half = np.diff(edges)[:, None] / 2
-        t, w = ((edges[:-1, None] + half) + half * _GAUSS[0]).ravel(), (half * _GAUSS[1]).ravel()
-        area = (system.stops @ piece.coordinates(t, 0) + system.seen_motion(t)) @ w
+    elif isinstance(piece.coordinates, LibraryMotion):
+        area = piece.coordinates.areas(piece.end)
     for k, contact in lasting.items():
         contact.area += float(model.sign[k] * area[k] - model.gap[k] * duration)
     if not peaks:
@@ -372,22 +397,23 @@ def _account(model: Model, piece: Piece, lasting: dict[int, _LastingContact], pe
     for k, contact in lasting.items():
         depth = deepest(gaps, k, piece.start, piece.end, float(gaps.rounding[k]))
         contact.deepest = max(contact.deepest, depth)
-        if k in model.damped and isinstance(piece.flow, CoupledFlow) and piece.flow.system.plain:
-            sign, gap = float(model.sign[k]), float(model.gap[k])
-            contact.work += float(model.stiffness[k]) * piece.flow.work_on(k, sign, gap, piece.end)
+        if k in model.damped:
+            sign, gap, flow, lost = float(model.sign[k]), float(model.gap[k]), piece.flow, math.nan
+            if isinstance(flow, CoupledFlow) and flow.system.plain:
+                lost = float(model.stiffness[k]) * flow.work_on(k, sign, gap, piece.end)
+            contact.work += lost
 
 
 def _gaps(model: Model, piece: Piece) -> FlowGaps | SolutionGaps:
     """The gap functions of a piece; those of the forces where damped stops are closed."""
     orientation, offset = model.orientation(piece.state), model.offset(piece.state)
-    flow, step = piece.flow, (piece.end - piece.start) / SAMPLES
-    if isinstance(flow, CoupledFlow):
+    flow, step, system = piece.flow, (piece.end - piece.start) / SAMPLES, model.system(piece.state)
+    if isinstance(system, Coupled):
         closed = np.array([-1.0 if k in piece.state else 1.0 for k in range(model.sign.size)])
-        return FlowGaps(flow.of_forces(), closed * model.sign, closed * model.gap, step)
-    if flow is not None:
-        return FlowGaps(flow, orientation, offset, step)
-    system = model.system(piece.state)
-    return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
+        system, orientation, offset = system.of_forces, closed * model.sign, closed * model.gap
+    if flow is None:
+        return SolutionGaps(system, piece.coordinates, piece.start, piece.end, orientation, offset)
+    return FlowGaps(flow.of_forces() if isinstance(flow, CoupledFlow) else flow, orientation, offset, step)
 
 
 def _contact(model: Model, k: int, it: _LastingContact, end: float, *, open_end: bool) -> Contact:

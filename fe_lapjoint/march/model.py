@@ -7,12 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fe_lapjoint.march.coupled import Coupled, coupled_system, searched_rows
-from fe_lapjoint.march.ramp_interval import Knots, RampTables, knots_of, ramp_tables
+from fe_lapjoint.march.ramp_tables import Knots, RampForm, knots_of, ramp_form
 from fe_lapjoint.march.system import IndexArray, System, build_system, drag_on, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, ModalDamping, Problem
 from lapjoint.problem.ramps import Ramps
 
@@ -36,7 +35,7 @@ class Model:
     _undamped: dict[ContactState, System] = field(default_factory=dict)
     _rows: dict[ContactState, IndexArray] = field(default_factory=dict)
     _gaps: dict[ContactState, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    _tables: dict[ContactState, RampTables] = field(default_factory=dict)
+    _forms: dict[ContactState, RampForm] = field(default_factory=dict)
     _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
     _alike: Model | None = None
@@ -51,29 +50,6 @@ class Model:
         """The damped stops, each of which has a second gap function, of its force; see `fe_lapjoint.march.coupled`."""
         self.drags = self.problem.structure.coupling_drag > 0
         """Whether viscous damping couples the modes of all states."""
-        if self.drags and self.problem.forces.ramps is not None:
-            raise InputError(
-                'damping.kind = "viscous": with masses, or a mass per length that changes, the finite element solver '
-                "takes harmonic and constant forces, and not records or random motion"
-            )
-        if self.problem.forces.seen is not None:
-            k = next(k for k, stop in enumerate(stops) if stop.in_space)
-            base = self.problem.base_motion
-            raise InputError(
-                f'stops[{k}].fixed_to = "space": base_motion.kind is "{getattr(base, "kind", "")}"; the finite element '
-                'solver takes stops fixed in space with a "sine" or "harmonics", and the analytic solver takes records '
-                "and random motion, too"
-            )
-        if self.damped:
-            self._refuse_what_damped_stops_do_not_reach()
-
-    def _refuse_what_damped_stops_do_not_reach(self) -> None:
-        k, stops = self.damped[0], self.problem.structure.stops
-        text = f"stops[{k}].damping = {stops[k].damping:g}: the finite element solver takes damped stops "
-        if self.problem.forces.ramps is not None:
-            raise InputError(text + "with harmonic and constant forces, and not with records or random motion")
-        if self.method != "exact":
-            raise InputError(text + f"with method = 'exact', and not with {self.method!r}")
 
     def driven(self, problem: Problem) -> Model:
         """This mesh, with all its matrices, for a problem with another size or frequency of the excitation."""
@@ -125,13 +101,12 @@ class Model:
         """The state after the switch of a gap function."""
         return state.toggled(row if row < self.sign.size else ~self.damped[row - self.sign.size])
 
-    def ramp_tables(self, state: ContactState, window: float) -> RampTables:
-        """Tables of one contact state for the march along sampled forces; `window`, s, is the same in every call."""
-        tables = self._tables.get(state)
-        if tables is None:
-            signs = self._signs(state)
-            tables = self._tables[state] = ramp_tables(self.system(state), *signs, window)
-        return tables
+    def ramp_form(self, state: ContactState, window: float) -> RampForm:
+        """One contact state for the march along sampled forces; `window`, s, is the same in every call."""
+        form = self._forms.get(state)
+        if form is None:
+            form = self._forms[state] = ramp_form(self.system(state), *self._signs(state), window)
+        return form
 
     def block_at(self, t: float) -> tuple[Knots, float]:
         """The block of sampled forces at time `t`, s, and its end, s; see `lapjoint.problem.ramps.RampBlocks`."""

@@ -1,20 +1,13 @@
-"""The exact flow of one contact state under forces that are linear in time, from one knot to the next, compiled.
+"""The exact motion of one contact state while its forces stay linear in time, compiled.
 
-The equations are linear, so the response p to the linear forces alone is added to the flow under all other loads, which
-starts from the given state less p.  For a modal force f + g s, s seconds after the start, on a mode with stiffness,
+An interval is the motion from a given time on while the forces stay linear; `fe_lapjoint.march.ramp_tables` says what
+its parts are, and names the sizes of all arrays.  Amplitudes x, shape ``(X,)``, are those of `RampForm`.  A term is an
+exponential and a polynomial in time.  An amplitude c of a slow term, which falls with the rate k, is
 
-    p(s) = (f + g s) / omega^2 - 2 a g / omega^4.
+    c = c0 e0 + b e1 + b' e2 + b'' e3 + b''' e4
 
-A rigid-body mode, q'' + 2 a q' = f + g s, starts from rest,
-
-    p(s) = f e2 + g e3,
-
-with e1, e2, ... the first, second, ... integral of exp(-2 a s); where a is 0 they are s, s^2 / 2 and so on.
-
-p of modes with stiffness is linear in time, so its bounds on the distance from chord and tangent are 0.
-
-`RampTables` holds one contact state in flat arrays; its letters for their sizes are used throughout.  An interval is
-the motion from a given time on while the forces stay linear.
+with the loads b at the start, exp(-k s) = e0, and its first, second, ... integral e1, e2, ...; where k is 0 they are
+s, s^2 / 2 and so on.
 """
 
 from __future__ import annotations
@@ -25,335 +18,238 @@ from typing import NamedTuple
 import numpy as np
 
 from fe_lapjoint.march.compiled import at_place
-from fe_lapjoint.march.system import ComplexArray, IndexArray, System
+from fe_lapjoint.march.ramp_tables import Knots, RampTables
+from fe_lapjoint.march.system import ComplexArray
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
-from lapjoint.compiled.by_reference import by_reference, in_c_order
+from lapjoint.compiled.by_reference import by_reference
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
-from lapjoint.problem.ramps import Ramps
 
-_SHORT = 2.0
-"""Largest 2 a s for which the integrals are summed as a series."""
 _TERMS = 22
-"""Terms of the series: the next term is 2^22 4! / 26! = 3e-19 of the first."""
+"""Terms of the series of a fading exponential's sixth integral: the next is 2^22 6! / 28! = 1e-20 of the first."""
+_ROUNDINGS = 1e-15
+"""As a fraction of the time: rounding may change the distance between two knots by this much from the usual spacing."""
 _ROUNDING = float(32 * np.finfo(float).eps)
 """Relative rounding error, as in `fe_lapjoint.march.propagator`."""
 
 
 @by_reference
-class RampTables(NamedTuple):
-    """A contact state with ``n`` modes, ``P`` stops at ``p`` places, ``H`` harmonic loads and ``R`` sampled forces.
-
-    Of the modes ``o`` oscillate, ``e`` do not, and ``r`` are rigid-body modes; ``b`` terms are bounded, see
-    `fe_lapjoint.march.envelope`: the modes as in `System.bounded`, the loads, and the rigid-body modes.
-    """
-
-    omega: FloatArray
-    """Natural angular frequencies, rad/s, shape ``(n,)``."""
-    damping_rate: FloatArray
-    """zeta omega, 1/s, shape ``(n,)``."""
-    compliance: FloatArray
-    """1 / omega^2, s2, 0 for rigid-body modes, shape ``(n,)``."""
-    constant: FloatArray
-    """Modal force of the closed stops' gaps and of the step loads, kg^1/2 m/s2, shape ``(n,)``."""
-    forces: FloatArray
-    """Modal force for each unit of a sampled force, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
-    which: IndexArray
-    """The modes that oscillate, shape ``(o,)``."""
-    others: IndexArray
-    """The modes that do not oscillate, shape ``(e,)``."""
-    rigid: IndexArray
-    """The rigid-body modes, shape ``(r,)``."""
-    rates: ComplexArray
-    """Rates of the terms, 1/s: of the modes that oscillate, and of the loads; shape ``(o + H,)``."""
-    swinging: FloatArray
-    """Moduli of `rates` where the amplitude bounds the term, else 0, 1/s, shape ``(o + H,)``."""
-    driven: FloatArray
-    """Angular frequencies of the harmonic loads, rad/s, shape ``(H,)``."""
-    phase: FloatArray
-    """Phases of the harmonic loads, rad, shape ``(H,)``."""
-    forced: ComplexArray
-    """Complex amplitudes P of the modes under the harmonic loads, Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
-    places: FloatArray
-    """Modes at the places, kg^-1/2, shape ``(p, n)``."""
-    forced_places: ComplexArray
-    """Complex amplitudes of the places under the harmonic loads, m, shape ``(p, H)``."""
-    ringing: IndexArray
-    """Modes that are bounded by one amplitude."""
-    near: IndexArray
-    """Modes that are nearly critical."""
-    creeping: IndexArray
-    """Modes that are bounded by two amplitudes."""
-    slow: FloatArray
-    """The lower rate of each creeping mode, 1/s."""
-    fast: FloatArray
-    """The higher rate of each creeping mode, 1/s."""
-    shares: FloatArray
-    """Moduli of the factor of each bounded term in the motion of the places, shape ``(p, b)``."""
-    fading: FloatArray
-    """Rates at which the bounds fall, 1/s, shape ``(b,)``."""
-    place_of: IndexArray
-    """Which place each stop is at, shape ``(P,)``."""
-    orientation: FloatArray
-    """Sign of z in each gap function, +1 or -1, shape ``(P,)``; see `Model.orientation`."""
-    offset: FloatArray
-    """Gap of each open stop, minus the gap of each closed one, m, shape ``(P,)``; see `Model.offset`."""
-    window: float
-    """Longest time for which one closed form is followed, s."""
-    spacing: float
-    """The usual time between knots, s; 0 without one."""
-    whole: ComplexArray
-    """exp(rate spacing) of each term, shape ``(o + H,)``."""
-    whole_areas: ComplexArray
-    """The integral of exp(rate s) over `spacing`, s, shape ``(o + H,)``."""
-
-
-def ramp_tables(system: System, orientation: FloatArray, offset: FloatArray, window: float) -> RampTables:
-    """The tables of a contact state with sampled forces; signs and gaps ``(P,)`` as in `Model`; `window` in s."""
-    assert system.ramps is not None
-    spacing = system.ramps.ramps.block_at(0.0).spacing
-    omega, H = system.omega, system.driven.size
-    rates, rigid = system.rates_of_terms[:-1].copy(), np.flatnonzero(omega == 0)
-    ringing, near, creeping = system.bounded
-    bounded = ringing.size + near.size + 2 * creeping.size + H  # without the last term, of constant forces
-    made = RampTables(
-        omega=omega,
-        damping_rate=system.damping_rate,
-        compliance=1 / np.where(omega > 0, omega, np.inf) ** 2,
-        constant=system.constant,
-        forces=system.ramps.shares,
-        which=system.which,
-        others=np.flatnonzero(~system.oscillating),
-        rigid=rigid,
-        rates=rates,
-        swinging=system.swinging[:-1].copy(),
-        driven=system.driven,
-        phase=system.phase,
-        forced=system.amplitudes,
-        places=system.places,
-        forced_places=system.place_amplitudes,
-        ringing=ringing,
-        near=near,
-        creeping=creeping,
-        slow=system.creeping_rates[0],
-        fast=system.creeping_rates[1],
-        shares=np.concatenate([system.bounded_shares[:, :bounded], np.abs(system.places[:, rigid])], axis=1),
-        fading=np.concatenate([system.fading[:bounded], np.zeros(rigid.size)]),
-        place_of=system.place_of,
-        orientation=orientation,
-        offset=offset,
-        window=window,
-        spacing=spacing,
-        whole=np.exp(rates * spacing),
-        whole_areas=np.expm1(rates * spacing) / rates,
-    )
-    return in_c_order(made)
-
-
-@by_reference
-class Knots(NamedTuple):
-    """``K`` knots of ``R`` forces that are linear between them."""
-
-    time: FloatArray
-    """Times of the knots, s, ascending, shape ``(K,)``."""
-    force: FloatArray
-    """Forces at the knots, N or N/m, shape ``(K, R)``."""
-    slope: FloatArray
-    """Rate of each force from each knot to the next, N/s or N/(m s), shape ``(K - 1, R)``."""
-
-
-@by_reference
 class Interval(NamedTuple):
-    """The motion of ``n`` modes and ``p`` places while the forces stay linear; see `RampTables` for the other sizes."""
+    """The motion of one contact state while the forces stay linear; see `RampTables` for the sizes."""
 
-    begin: FloatArray
-    """Displacement of modes with stiffness under constant and linear forces at the start, kg^1/2 m, shape ``(n,)``."""
-    rate: FloatArray
-    """Rate of `begin`, kg^1/2 m/s, shape ``(n,)``."""
-    free: FloatArray
-    """Displacement and velocity of the free motion at the start, kg^1/2 m and kg^1/2 m/s, shape ``(2, n)``."""
-    body: FloatArray
-    """Forces on the rigid-body modes, kg^1/2 m/s2, and their rates, kg^1/2 m/s3, shape ``(2, r)``."""
+    loads: FloatArray
+    """The loads at the start, and their derivatives, shape ``(L, d)``."""
     terms: ComplexArray
-    """Complex amplitudes of the modes that oscillate, kg^1/2 m, and of the loads, 1; shape ``(o + H,)``."""
+    """Complex amplitudes a of the terms, and of the harmonic loads, 1; shape ``(m,)``."""
     at_places: ComplexArray
-    """Complex amplitudes of the terms in the motion of the places, m, shape ``(p, o + H)``."""
+    """Complex amplitudes of the terms and harmonic loads in the motion of the places, m, shape ``(p, m)``."""
+    slow: FloatArray
+    """Amplitude c of each slow term at the start, then its load b and the derivatives of b, shape ``(J, 1 + d)``."""
+    body: FloatArray
+    """Displacement and speed of each rigid-body mode as a polynomial: value and derivatives at the start, without the
+    slow terms; shape ``(r, 2, d + 2)``."""
     line: FloatArray
-    """Displacement, m, and velocity, m/s, of the places that `begin` and `rate` cause, shape ``(p, 2)``."""
+    """What the places see beside terms, harmonic loads and slow terms: value and derivatives at the start, m over
+    powers of s, shape ``(p, d + 2)``."""
     bounds: FloatArray
-    """Bounds on each term and its first three derivatives, divided by the `shares` of the term, shape ``(4, b)``."""
+    """Bounds on each bounded part and its first three derivatives, divided by its `shares`, shape ``(4, b)``."""
     rounding: FloatArray
     """Rounding error of the displacement of each place, m, shape ``(p,)``."""
 
 
-def knots_of(ramps: Ramps) -> Knots:
-    """Sampled forces as the compiled march takes them."""
-    return in_c_order(Knots(ramps.time, ramps.force, ramps.slope))
-
-
 def new_interval(tables: RampTables) -> Interval:
-    """An interval with arrays that are not filled yet."""
-    p, n = tables.places.shape
-    m = tables.rates.size
+    """An interval with arrays that are not filled yet; loads keep the zeros among their derivatives."""
+    (p, m), (_, L, d) = tables.factors.shape, tables.gain.shape
+    J, r = tables.drag.size, tables.body_slow.shape[0]
     return Interval(
-        np.empty(n),
-        np.empty(n),
-        np.empty((2, n)),
-        np.empty((2, tables.rigid.size)),
+        np.zeros((L, d)),
         np.empty(m, dtype=np.complex128),
         np.empty((p, m), dtype=np.complex128),
-        np.empty((p, 2)),
+        np.empty((J, 1 + d)),
+        np.empty((r, 2, d + 2)),
+        np.empty((p, d + 2)),
         np.empty((4, tables.fading.size)),
         np.empty(p),
     )
 
 
 @njit_called()
-def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float, float]:
-    """exp(-drag s), with drag >= 0 in 1/s, and its integrals from 0 to s, once to four times: s, s^2, s^3 and s^4."""
-    x = drag * s
-    if abs(x) <= _SHORT:
-        series, term = 0.0, 1.0
-        for n in range(_TERMS):
-            series += term
-            term *= -x / (5 + n)
-        fourth = series * s**4 / 24
-        third = s**3 / 6 - drag * fourth
-        second = s**2 / 2 - drag * third
-        first = s - drag * second
-        return 1 - drag * first, first, second, third, fourth
-    first = -math.expm1(-x) / drag
-    second = (s - first) / drag
-    third = (s**2 / 2 - second) / drag
-    return math.exp(-x), first, second, third, (s**3 / 6 - third) / drag
+def fading_integrals(drag: float, s: float) -> tuple[float, float, float, float, float, float, float]:
+    """exp(-drag s), for 0 <= drag s <= 2, and its integrals from 0 to s, once to six times: s, s^2, ... s^6."""
+    series, term = 0.0, 1.0
+    for n in range(_TERMS):
+        series += term
+        term *= -drag * s / (7 + n)
+    sixth = series * s**6 / 720
+    fifth = s**5 / 120 - drag * sixth
+    fourth = s**4 / 24 - drag * fifth
+    third = s**3 / 6 - drag * fourth
+    second = s**2 / 2 - drag * third
+    first = s - drag * second
+    return 1 - drag * first, first, second, third, fourth, fifth, sixth
 
 
 @njit_inner()
-def _response(a: float, omega: float, s: float) -> tuple[float, float]:
-    """C and S of `fe_lapjoint.march.propagator.free_response`, of one mode that is not `System.oscillating`."""
-    square = a**2 - omega**2
-    root, decay = math.sqrt(abs(square)), math.exp(-a * s)
-    if root == 0:
-        S = decay * s
-        return decay + a * S, S
-    if square < 0:
-        S = decay * math.sin(root * s) / root
-        return decay * math.cos(root * s) + a * S, S
-    slow = math.exp(-(omega**2 / (a + root)) * s)
-    S = -slow * math.expm1(-2 * root * s) / (2 * root)
-    return slow * (1 + math.exp(-2 * root * s)) / 2 + a * S, S
+def _polynomial(line: FloatArray, first: int, s: float) -> float:
+    """The `first`-th derivative, after `s` seconds, of the polynomial with value and derivatives `line` at the
+    start."""
+    total = 0.0
+    for m in range(line.size - 1, first - 1, -1):
+        total = line[m] + total * s / (m - first + 1)
+    return total
+
+
+@njit_inner()
+def _bend(line: FloatArray, first: int, s: float) -> float:
+    """Bound on the `first`-th derivative of a polynomial within `s` seconds; see `_polynomial`."""
+    total = 0.0
+    for m in range(line.size - 1, first - 1, -1):
+        total = abs(line[m]) + total * s / (m - first + 1)
+    return total
+
+
+@njit_inner()
+def _steady(tables: RampTables, loads: FloatArray, k: int) -> complex:
+    """p of a term under loads and their derivatives, shape ``(L, d)``."""
+    total: complex = tables.gain[k, 0, 0]  # the constant load, 1
+    for load in range(1, loads.shape[0]):
+        for d in range(loads.shape[1]):
+            total += tables.gain[k, load, d] * loads[load, d]
+    return total
+
+
+@njit_inner()
+def interval_of(knots: Knots, t: float) -> int:
+    """Index j, 0 to K - 2, of the ramp at time `t`, s; at a knot the later ramp; outside all knots the nearest."""
+    return min(max(int(np.searchsorted(knots.time, t, side="right")) - 1, 0), knots.time.size - 2)
+
+
+@njit_inner()
+def next_form(tables: RampTables, knots: Knots, j: int, t: float, end: float) -> tuple[float, float, int]:
+    """Time, s, up to which a closed form is followed, its length, s, and the index of the ramp where the next one
+    begins."""
+    knot = knots.time[j + 1] if j < knots.time.size - 2 else np.inf
+    until = min(knot, end, t + tables.window)
+    width = until - t
+    usual = abs(width - tables.spacing) <= _ROUNDINGS * abs(t)
+    return until, tables.spacing if usual else width, j + 1 if until == knot else j
+
+
+@njit_inner()
+def _set_loads(tables: RampTables, knots: Knots, j: int, t: float, it: Interval) -> None:
+    """Write the loads at time `t`, s, between knots j and j + 1."""
+    s, R = t - knots.time[j], knots.slope.shape[1]
+    it.loads[0, 0] = 1.0
+    for r in range(R):
+        it.loads[1 + r, 0], it.loads[1 + r, 1] = knots.force[j, r] + knots.slope[j, r] * s, knots.slope[j, r]
+    if knots.base.shape[0]:
+        for d in range(4):
+            value = _polynomial(knots.base[j], d, s)
+            it.loads[1 + R, d] = value
+            if d:
+                it.loads[2 + R, d - 1] = value
 
 
 @njit_inner()
 def begin_interval(
-    tables: RampTables, knots: Knots, j: int, t: float, ahead: float, y: FloatArray, it: Interval
+    tables: RampTables, knots: Knots, j: int, t: float, ahead: float, x: ComplexArray, it: Interval
 ) -> None:
     """Write into `it` the closed form of the motion from time `t`, s, on, between knots j and j + 1.
 
-    `y` holds (q, q') at `t`, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``; the bounds hold for `ahead` seconds.
+    `x` holds the amplitudes at `t`; the bounds hold for `ahead` seconds.
     """
-    n, count, H = tables.omega.size, tables.which.size, tables.driven.size
+    (L, D), T, H, J = it.loads.shape, tables.gain.shape[0], tables.driven.size, tables.drag.size
+    _set_loads(tables, knots, j, t, it)
+    for k in range(T):
+        it.terms[k] = x[k] - _steady(tables, it.loads, k)
     for h in range(H):
         angle = tables.driven[h] * t + tables.phase[h]
-        it.terms[count + h] = complex(math.cos(angle), math.sin(angle))
-    for i in range(n):
-        force, slope = tables.constant[i], 0.0
-        for r in range(knots.slope.shape[1]):
-            g = knots.slope[j, r]
-            force += tables.forces[i, r] * (knots.force[j, r] + g * (t - knots.time[j]))
-            slope += tables.forces[i, r] * g
-        soft = tables.compliance[i]
-        it.rate[i] = slope * soft
-        it.begin[i] = (force - 2 * tables.damping_rate[i] * it.rate[i]) * soft
-        x, v = y[i] - it.begin[i], y[n + i] - it.rate[i]
-        for h in range(H):
-            wave = tables.forced[i, h] * it.terms[count + h]
-            x -= wave.imag
-            v -= tables.driven[h] * wave.real
-        it.free[0, i], it.free[1, i] = x, v
-        if soft == 0:
-            for b in range(tables.rigid.size):
-                if tables.rigid[b] == i:
-                    it.body[0, b], it.body[1, b] = force, slope
-    for k in range(count):
-        x, v = it.free[0, tables.which[k]], it.free[1, tables.which[k]]
-        root = tables.rates[k]
-        it.terms[k] = complex(x, (root.real * x - v) / root.imag)
-    _write_places(tables, y, it)
+        it.terms[T + h] = complex(math.cos(angle), math.sin(angle))
+    for k in range(J):
+        it.slow[k, 0] = x[T + k].real
+        for d in range(D):
+            it.slow[k, 1 + d] = 0.0
+            for load in range(L):
+                it.slow[k, 1 + d] += tables.slow_push[k, load] * it.loads[load, d]
+    bodies = it.body.shape[0]
+    for b in range(bodies):
+        place, speed = it.body[b]
+        place[0], speed[0], speed[D + 1] = x[T + J + b].real, x[T + J + bodies + b].real, 0.0
+        for d in range(D):
+            speed[d + 1], place[d + 1] = 0.0, speed[d]
+            for load in range(L):
+                place[d + 1] += tables.body_push[b, 0, load] * it.loads[load, d]
+                speed[d + 1] += tables.body_push[b, 1, load] * it.loads[load, d]
+        place[D + 1] = speed[D]
+    _write_places(tables, it)
     _write_bounds(tables, ahead, it)
 
 
 @njit_inner()
-def _write_places(tables: RampTables, y: FloatArray, it: Interval) -> None:
+def _write_places(tables: RampTables, it: Interval) -> None:
     """Write the motion of the places."""
-    p, n = tables.places.shape
-    count, H = tables.which.size, tables.driven.size
-    for u in range(p):
-        x, v, size = 0.0, 0.0, 0.0
-        for i in range(n):
-            share = tables.places[u, i]
-            x += share * it.begin[i]
-            v += share * it.rate[i]
-            size += abs(share) * (abs(it.begin[i]) + abs(it.free[0, i]) + abs(y[i]))
-        it.line[u, 0], it.line[u, 1] = x, v
-        for k in range(count):
-            it.at_places[u, k] = tables.places[u, tables.which[k]] * it.terms[k]
-            size += abs(it.at_places[u, k].real) + abs(it.at_places[u, k].imag)
-        for h in range(H):
-            wave = -1j * tables.forced_places[u, h]
-            it.at_places[u, count + h] = wave * it.terms[count + h]
-            size += abs(wave)
+    (L, D), J = it.loads.shape, tables.drag.size
+    for u in range(it.line.shape[0]):
+        size, line = 0.0, it.line[u]
+        line[:] = 0.0
+        for load in range(L):
+            for d in range(D if load else 1):
+                size += tables.gain_sizes[u, load, d] * abs(it.loads[load, d])
+                for m in range(D - d):
+                    line[m] += tables.gain_at_places[u, load, d] * it.loads[load, m + d]
+        for b in range(it.body.shape[0]):
+            for kind in range(2):
+                share = tables.body_at_places[u, b, kind]
+                size += abs(share * it.body[b, kind, 0])
+                for m in range(D + 2):
+                    line[m] += share * it.body[b, kind, m]
+        for k in range(J):
+            size += abs(tables.slow_at_places[u, k, 0] * it.slow[k, 0])
+        for k in range(tables.rates.size):
+            now = tables.factors[u, k] * it.terms[k]
+            it.at_places[u, k] = now
+            size += abs(now.real) + tables.turned[k] * abs(now.imag)
         it.rounding[u] = _ROUNDING * size
 
 
 @njit_inner()
 def _write_bounds(tables: RampTables, ahead: float, it: Interval) -> None:
-    """Write the bounds at the start; later each falls as exp(-fading s).  See
-    `fe_lapjoint.march.propagator.Flow.envelope`."""
-    b, ringing, near, creeping = 0, tables.ringing.size, tables.near.size, tables.creeping.size
-    for k in range(ringing):
-        i = tables.ringing[k]
-        a, w = tables.damping_rate[i], tables.omega[i]
-        x, v = it.free[0, i], it.free[1, i] + a * it.free[0, i]
-        _powers(math.sqrt(x**2 + v**2 / (w**2 - a**2)), w, b + k, it.bounds)
-    b += ringing
-    for k in range(near):
-        i = tables.near[k]
-        a, w = tables.damping_rate[i], tables.omega[i]
-        least = math.e / 2 * (a - math.sqrt(max(a**2 - w**2, 0.0)))
-        x, v = it.free[0, i], it.free[1, i]
+    """Write the bounds at the start; later each falls as exp(-fading s).
+
+    An amplitude bounds its term, and gains a factor of its rate with each derivative.  A nearly critical mode, with the
+    damping rate a, moves by at most abs(x) + abs(v + a x) t times exp(-a t), and t is at most 2 exp(a t / 2) / e a.
+    Of a slow term, the derivatives of c obey the equation of c, too, and grow from their values at the start
+    by no more than the integral of the load.
+    """
+    m = tables.rates.size
+    for k in range(m):
+        size, now, rate = abs(it.terms[k]), it.terms[k], tables.rates[k]
         for d in range(4):
-            it.bounds[d, b + k] = abs(x) + abs(v + a * x) / least
-            x, v = v, -2 * a * v - w**2 * x
-    b += near
-    for k in range(creeping):
-        i = tables.creeping[k]
-        x, v = it.free[0, i], it.free[1, i]
-        first = (v + tables.fast[k] * x) / (tables.fast[k] - tables.slow[k])
-        _powers(abs(first), tables.slow[k], b + k, it.bounds)
-        _powers(abs(x - first), tables.fast[k], b + creeping + k, it.bounds)
-    b += 2 * creeping
-    for h in range(tables.driven.size):
-        _powers(1.0, tables.driven[h], b + h, it.bounds)
-    b += tables.driven.size
-    for k in range(tables.rigid.size):  # |p''| = |f exp(-2 a s) + g e1|, and e1 <= s <= `ahead`
-        drag, force, slope = 2 * tables.damping_rate[tables.rigid[k]], abs(it.body[0, k]), abs(it.body[1, k])
-        it.bounds[0, b + k] = it.bounds[1, b + k] = np.inf
-        it.bounds[2, b + k] = force + slope * ahead
-        it.bounds[3, b + k] = force * drag + slope
-
-
-@njit_inner()
-def _powers(amplitude: float, rate: float, b: int, bounds: FloatArray) -> None:
-    """Write the bounds on a term and its first three derivatives into column `b`: each gains a factor `rate`."""
-    for d in range(4):
-        bounds[d, b] = amplitude
-        amplitude *= rate
+            if tables.swinging[k] == 0:
+                drift = abs((rate * now).real - rate.real * now.real)
+                it.bounds[d, k] = abs(now.real) - drift * 2 / (math.e * rate.real)
+                now *= rate
+            else:
+                it.bounds[d, k] = size
+                size *= tables.swinging[k]
+    for u in range(tables.fading.size - m):
+        it.bounds[0, m + u] = it.bounds[1, m + u] = np.inf
+        for d in range(2, 4):
+            it.bounds[d, m + u] = _bend(it.line[u], d, ahead)
+        for k in range(tables.drag.size):
+            drag, now = tables.drag[k], it.slow[k]
+            first = now[1] - drag * now[0]
+            second = now[2] - drag * first
+            first = abs(first) + ahead * _bend(now, 2, ahead)
+            second = abs(second) + ahead * _bend(now, 3, ahead)
+            value, sum_ = abs(tables.slow_at_places[u, k, 0]), abs(tables.slow_at_places[u, k, 1])
+            it.bounds[2, m + u] += value * second + sum_ * first
+            it.bounds[3, m + u] += value * (drag * second + _bend(now, 3, ahead)) + sum_ * second
 
 
 @njit_inner()
 def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
-    """Write exp(rate s) of each term into `waves`, shape ``(o + H,)``."""
+    """Write exp(rate s) of each rate into `waves`, shape ``(m,)``."""
     if s == tables.spacing:
         put(waves, tables.whole)
         return
@@ -366,33 +262,27 @@ def waves_of(tables: RampTables, s: float, waves: ComplexArray) -> None:
 
 
 @njit_inner()
-def _other_motion(tables: RampTables, it: Interval, i: int, s: float) -> tuple[float, float, float]:
-    """Displacement, velocity and acceleration of a mode that does not oscillate; of a rigid-body mode under ramps,
-    too."""
-    a, w = tables.damping_rate[i], tables.omega[i]
-    C, S = _response(a, w, s)
-    x, y = it.free[0, i], it.free[1, i]
-    q, v = x * C + y * S, -(w**2) * x * S + y * (C - 2 * a * S)
-    acceleration = -2 * a * v - w**2 * q
-    for b in range(tables.rigid.size):
-        if tables.rigid[b] == i:
-            e0, e1, e2, e3, _ = fading_integrals(2 * a, s)
-            force, slope = it.body[0, b], it.body[1, b]
-            q += force * e2 + slope * e3
-            v += force * e1 + slope * e2
-            acceleration += force * e0 + slope * e1
-    return q, v, acceleration
+def _slow_motion(tables: RampTables, it: Interval, k: int, s: float) -> tuple[float, float, float, float, float]:
+    """Twice the time integral of a slow term's amplitude c, once, c itself, and two derivatives, after `s` seconds."""
+    e, now = fading_integrals(tables.drag[k], s), it.slow[k]
+    area, once, c = now[0] * e[2], now[0] * e[1], now[0] * e[0]
+    for d in range(now.size - 1):
+        area += now[1 + d] * e[d + 3]
+        once += now[1 + d] * e[d + 2]
+        c += now[1 + d] * e[d + 1]
+    rate = _polynomial(now, 1, s) - tables.drag[k] * c
+    return area, once, c, rate, _polynomial(now, 2, s) - tables.drag[k] * rate
 
 
 @njit_inner()
 def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z: FloatArray) -> None:
     """Write displacement, m, velocity, m/s, and acceleration, m/s2, of the places after `s` seconds: `z`, ``(p, 3)``.
 
-    `waves`, shape ``(o + H,)``, takes exp(rate s) of each term.
+    `waves`, shape ``(m,)``, takes exp(rate s) of each rate.
     """
     waves_of(tables, s, waves)
     for u in range(z.shape[0]):
-        x, v, a = it.line[u, 0] + it.line[u, 1] * s, it.line[u, 1], 0.0
+        x, v, a = _polynomial(it.line[u], 0, s), _polynomial(it.line[u], 1, s), _polynomial(it.line[u], 2, s)
         for k in range(waves.size):
             now = it.at_places[u, k] * waves[k]
             x += now.real
@@ -400,79 +290,70 @@ def places_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, z
             v += now.real
             a += now.real * tables.rates[k].real - now.imag * tables.rates[k].imag
         z[u, 0], z[u, 1], z[u, 2] = x, v, a
-    for i in tables.others:
-        q, v, a = _other_motion(tables, it, i, s)
+    for k in range(tables.drag.size):
+        _, once, c, rate, bend = _slow_motion(tables, it, k, s)
         for u in range(z.shape[0]):
-            share = tables.places[u, i]
-            z[u, 0] += share * q
-            z[u, 1] += share * v
-            z[u, 2] += share * a
+            share, of_integral = tables.slow_at_places[u, k, 0], tables.slow_at_places[u, k, 1]
+            z[u, 0] += share * c + of_integral * once
+            z[u, 1] += share * rate + of_integral * c
+            z[u, 2] += share * bend + of_integral * rate
 
 
 @njit_called()
 def place_at(tables: RampTables, it: Interval, u: int, s: float) -> tuple[float, float]:
     """Displacement, m, and velocity, m/s, of place `u` after `s` seconds."""
     x, v = at_place(it.at_places, tables.rates, u, s)
-    x, v = x + it.line[u, 0] + it.line[u, 1] * s, v + it.line[u, 1]
-    for i in tables.others:
-        q, rate, _ = _other_motion(tables, it, i, s)
-        x, v = x + tables.places[u, i] * q, v + tables.places[u, i] * rate
+    x, v = x + _polynomial(it.line[u], 0, s), v + _polynomial(it.line[u], 1, s)
+    for k in range(tables.drag.size):
+        _, once, c, rate, _ = _slow_motion(tables, it, k, s)
+        share, of_integral = tables.slow_at_places[u, k, 0], tables.slow_at_places[u, k, 1]
+        x, v = x + share * c + of_integral * once, v + share * rate + of_integral * c
     return x, v
 
 
 @njit_inner()
-def state_at(tables: RampTables, it: Interval, s: float, waves: ComplexArray, order: int, q: FloatArray) -> None:
-    """Write the `order`-th time derivative (0 to 2) of q after `s` seconds into `q`, kg^1/2 m / s^order, ``(n,)``.
-
-    `waves`, shape ``(o + H,)``, holds exp(rate s) of each term.
-    """
-    count = tables.which.size
-    for i in range(q.size):
-        x = it.begin[i] + it.rate[i] * s if order == 0 else (it.rate[i] if order == 1 else 0.0)
-        for h in range(tables.driven.size):
-            wave, w = tables.forced[i, h] * it.terms[count + h] * waves[count + h], tables.driven[h]
-            x += wave.imag if order == 0 else (w * wave.real if order == 1 else -w * w * wave.imag)
-        q[i] = x
-    for k in range(count):
-        now = it.terms[k] * waves[k]
-        for _ in range(order):
-            now *= tables.rates[k]
-        q[tables.which[k]] += now.real
-    for i in tables.others:
-        q[i] += _other_motion(tables, it, i, s)[order]
-
-
-@njit_inner()
-def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, y: FloatArray) -> None:
-    """Write (q, q') after `s` seconds into `y`, kg^1/2 m and kg^1/2 m/s, ``(2 n,)``; `waves` as in `state_at`."""
-    n = y.size // 2
-    state_at(tables, it, s, waves, 0, y[:n])
-    state_at(tables, it, s, waves, 1, y[n:])
+def move(tables: RampTables, it: Interval, s: float, waves: ComplexArray, x: ComplexArray) -> None:
+    """Write the amplitudes after `s` seconds into `x`, shape ``(X,)``; `waves`, ``(m,)``, holds exp(rate s)."""
+    T, J, bodies = tables.gain.shape[0], tables.drag.size, it.body.shape[0]
+    loads = zeros(it.loads.shape)
+    for load in range(loads.shape[0]):
+        for d in range(loads.shape[1]):
+            loads[load, d] = _polynomial(it.loads[load], d, s)
+    for k in range(T):
+        x[k] = it.terms[k] * waves[k] + _steady(tables, loads, k)
+    for b in range(bodies):
+        x[T + J + b], x[T + J + bodies + b] = _polynomial(it.body[b, 0], 0, s), _polynomial(it.body[b, 1], 0, s)
+    for k in range(J):
+        _, once, x[T + k], _, _ = _slow_motion(tables, it, k, s)
+        for b in range(bodies):
+            x[T + J + b] += tables.body_slow[b, k] * once
 
 
 @njit_called()
-def moved(tables: RampTables, it: Interval, s: float) -> FloatArray:
-    """(q, q') after `s` seconds, kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
-    y, waves = zeros(2 * tables.omega.size), complex_zeros(tables.rates.shape)
+def moved(tables: RampTables, it: Interval, s: float, x: ComplexArray) -> None:
+    """Write the amplitudes after `s` seconds into `x`, shape ``(X,)``."""
+    waves = complex_zeros(tables.rates.shape)
     waves_of(tables, s, waves)
-    move(tables, it, s, waves, y)
-    return y
+    move(tables, it, s, waves, x)
 
 
 @njit_inner()
 def areas_of(tables: RampTables, it: Interval, s: float, areas: FloatArray) -> None:
     """Add the time integrals of the places' displacements over the first `s` seconds to `areas`, m s, ``(p,)``."""
     for u in range(areas.size):
-        areas[u] += s * (it.line[u, 0] + it.line[u, 1] * (s / 2))
+        total = 0.0
+        for m in range(it.line.shape[1] - 1, -1, -1):
+            total = (it.line[u, m] + total) * s / (m + 1)
+        areas[u] += total
     usual = s == tables.spacing
     for k in range(tables.rates.size):
         less = tables.whole_areas[k] if usual else _wave_area(tables.rates[k], s)
         for u in range(areas.size):
             areas[u] += (it.at_places[u, k] * less).real
-    for i in tables.others:
-        area = _other_area(tables, it, i, s)
+    for k in range(tables.drag.size):
+        twice, once, _, _, _ = _slow_motion(tables, it, k, s)
         for u in range(areas.size):
-            areas[u] += tables.places[u, i] * area
+            areas[u] += tables.slow_at_places[u, k, 0] * once + tables.slow_at_places[u, k, 1] * twice
 
 
 @njit_inner()
@@ -484,18 +365,7 @@ def _wave_area(rate: complex, s: float) -> complex:
 
 
 @njit_inner()
-def _other_area(tables: RampTables, it: Interval, i: int, s: float) -> float:
-    """The time integral of the displacement of a mode that does not oscillate over `s` seconds, kg^1/2 m s."""
-    a, w, x, y = tables.damping_rate[i], tables.omega[i], it.free[0, i], it.free[1, i]
-    for b in range(tables.rigid.size):
-        if tables.rigid[b] == i:
-            _, _, e2, e3, e4 = fading_integrals(2 * a, s)
-            return float(x * s + y * e2 + it.body[0, b] * e3 + it.body[1, b] * e4)
-    for k in range(tables.creeping.size):
-        if tables.creeping[k] == i:
-            slow, fast = tables.slow[k], tables.fast[k]
-            first = (y + fast * x) / (fast - slow)
-            return float(-first * math.expm1(-slow * s) / slow - (x - first) * math.expm1(-fast * s) / fast)
-    # The equation of motion integrated once: omega^2 int q = -[q'] - 2 a [q].
-    q, v, _ = _other_motion(tables, it, i, s)
-    return float(-(v - y + 2 * a * (q - x)) / w**2)
+def put_motion(target: FloatArray, values: FloatArray) -> None:
+    """Write the motion of the places, ``(p, 3)``."""
+    for u in range(target.shape[0]):
+        put(target[u], values[u])

@@ -12,6 +12,7 @@ elsewhere the modes are coupled, see `fe_lapjoint.march.coupled`.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -27,6 +28,11 @@ from lapjoint.problem.forces import HarmonicForce
 from lapjoint.problem.ramps import RampBlocks
 
 ComplexArray = npt.NDArray[np.complex128]
+Coordinates = Callable[[FloatArray, int], FloatArray]
+"""A function of times, s, shape ``(m,)``, and of a number dt from 0 to 2, or to 3 of a library method.
+
+It gives the dt-th derivative of the modal displacements, kg^1/2 m / s^dt, shape ``(n, m)``.
+"""
 IndexArray = npt.NDArray[np.intp]
 SAMPLES = 48
 """Steps of the grid, over one window, on which the search for switches evaluates a motion."""
@@ -48,11 +54,23 @@ class ModalRamps:
     ramps: RampBlocks
     shares: FloatArray
     """Modal force for each unit of load, kg^-1/2, or kg^-1/2 m along the beam, shape ``(n, R)``."""
+    base: FloatArray
+    """Modal force of the closed stops fixed in space for each unit of y, and of y', shape ``(n, 2)``."""
+    seen: FloatArray
+    """Share of y that the gap at each place sees, shape ``(p,)``."""
 
-    def at(self, t: float) -> tuple[FloatArray, FloatArray]:
-        """The modal forces at time `t`, kg^1/2 m/s2, and their rates, kg^1/2 m/s3, ``(n,)``; at a knot after it."""
-        force, slope = self.ramps.at(np.array([t]))
-        return self.shares @ force[0], self.shares @ slope[0]
+    def at(self, t: FloatArray, order: int = 0) -> FloatArray:
+        """The `order`-th derivative of the modal forces at times ``(m,)``, s, ``(n, m)``; at a knot after it."""
+        found = np.zeros((self.shares.shape[0], t.size))
+        if order < 2:
+            found += self.shares @ self.ramps.at(t)[order].T
+        for d in range(2 if self.base.any() else 0):
+            found += np.outer(self.base[:, d], self.base_at(t, order + d))
+        return found
+
+    def base_at(self, t: FloatArray, order: int) -> FloatArray:
+        """The `order`-th derivative of y at times ``(m,)``, s, m over powers of s, ``(m,)``."""
+        return self.ramps.base_at(t)[order] if order < 4 else np.zeros(t.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,12 +164,31 @@ class System:
         return bool(self.seen.any())
 
     def seen_motion(self, t: FloatArray, dt: int = 0) -> FloatArray:
-        """The `dt`-th derivative (0 to 2) of the y that each stop's gap sees at times ``(m,)``: m s^-dt, ``(P, m)``."""
-        if not self.sees_base:
-            return np.zeros((self.place_of.size, t.size))
-        angle = self.driven[:, None] * t + self.phase[:, None]
-        waves = ((1j * self.driven[:, None]) ** dt * np.exp(1j * angle)).imag
-        return np.asarray((self.seen @ waves)[self.place_of])
+        """The `dt`-th derivative (0 to 3) of the y that each stop's gap sees at times ``(m,)``: m s^-dt, ``(P, m)``."""
+        return np.asarray(self._seen_at_places(t, dt)[self.place_of])
+
+    def _seen_at_places(self, t: FloatArray, dt: int) -> FloatArray:
+        """`seen_motion` at each place, ``(p, m)``."""
+        found = np.zeros((self.places.shape[0], t.size))
+        if self.sees_base:
+            angle = self.driven[:, None] * t + self.phase[:, None]
+            found += self.seen @ ((1j * self.driven[:, None]) ** dt * np.exp(1j * angle)).imag
+        if self.ramps is not None and self.ramps.seen.any():
+            found += np.outer(self.ramps.seen, self.ramps.base_at(t, dt))
+        return found
+
+    def sizes(self, q: FloatArray, v: FloatArray) -> FloatArray:
+        """What gap functions read of moduli of modal displacements and velocities, ``(n,)``, m, shape ``(P,)``."""
+        return np.asarray((np.abs(self.places) @ q)[self.place_of])
+
+    @property
+    def of_forces(self) -> System:
+        """The same state, whose gap functions are those of the forces of the stops, shape ``(P,)``."""
+        return self
+
+    def read(self, coordinates: Coordinates, t: FloatArray, dt: int = 0) -> FloatArray:
+        """The `dt`-th derivative of what the gap functions read at times ``(m,)``, m s^-dt, ``(P, m)``."""
+        return np.asarray((self.places @ coordinates(t, dt) + self._seen_at_places(t, dt))[self.place_of])
 
     @cached_property
     def shares(self) -> ComplexArray:
@@ -315,13 +352,31 @@ class System:
     def _grids(self) -> dict[float, FloatArray]:
         return {}
 
+    @property
+    def loads(self) -> ComplexArray | FloatArray:
+        """Complex amplitudes of all that pushes the modes as a harmonic load, kg^1/2 m/s2, ``(n, H)``."""
+        return self.harmonic
+
+    def forces(self, t: FloatArray, order: int = 0) -> FloatArray:
+        """The `order`-th derivative of the modal forces at times ``(m,)``, s, kg^1/2 m s^(-2 - order), ``(n, m)``."""
+        waves = (1j * self.driven[:, None]) ** order * np.exp(1j * (self.driven[:, None] * t + self.phase[:, None]))
+        found = (self.loads @ waves).imag
+        if order == 0:
+            found += self.constant[:, None]
+        return np.asarray(found if self.ramps is None else found + self.ramps.at(t, order))
+
+    def drag(self, v: FloatArray) -> FloatArray:
+        """Damping forces that modal velocities cause, ``(n, m)``, kg^1/2 m/s2."""
+        return 2 * self.damping_rate[:, None] * v
+
+    def next_derivative(self, t: FloatArray, q: FloatArray, v: FloatArray, order: int = 0) -> FloatArray:
+        """Derivative `order` + 2 of q at times ``(m,)``, s, from the two derivatives before it, ``(n, m)`` each."""
+        return self.forces(t, order) - self.drag(v) - self.omega[:, None] ** 2 * q
+
     def rates(self, t: float, y: FloatArray) -> FloatArray:
         """d(q, q')/dt at time `t`, s, from `y` = (q, q'), ``(2 n,)``: the right side of the equations of motion."""
-        q, v = y[: self.omega.size], y[self.omega.size :]
-        force = self.constant + self.harmonic @ np.sin(self.driven * t + self.phase)
-        if self.ramps is not None:
-            force += self.ramps.at(t)[0]
-        return np.concatenate([v, force - 2 * self.damping_rate * v - self.omega**2 * q])
+        q, v = y.reshape(2, -1, 1)
+        return np.concatenate([v, self.next_derivative(np.array([t]), q, v)])[:, 0]
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """Derivative of `rates` by y, shape ``(2 n, 2 n)``; constant, with the arguments that `solve_ivp` gives."""
@@ -362,7 +417,7 @@ def build_system(assembly: Assembly, state: ContactState) -> System:
         places=stops[first],
         place_of=place_of,
         seen=seen[first],
-        ramps=_modal_ramps(assembly, vectors),
+        ramps=_modal_ramps(assembly, state, vectors),
     )
 
 
@@ -388,8 +443,7 @@ def _harmonic_loads(
     Modal amplitudes, kg^1/2 m/s2, ``(n, H)``; angular frequencies, rad/s, ``(H,)``; and the amplitude of y that each
     stop's gap sees, m, ``(P, H)``.
     """
-    loads, waves, stops = problem.forces.harmonic, problem.moved_stops, problem.structure.stops
-    springs = np.array([stop.stiffness * (k in state) for k, stop in enumerate(stops)]) * assembly.base_shares
+    loads, waves, springs = problem.forces.harmonic, problem.moved_stops, _springs(assembly, state)
     columns = [load.amplitude * assembly.load(load.shape) for load in loads]
     columns += [-wave.amplitude * (springs @ assembly.stop_rows) for wave in waves]
     forces = np.array(columns).reshape(len(columns), vectors.shape[0]).T
@@ -409,12 +463,23 @@ def _away_from_resonance(omega: FloatArray, damping_rate: FloatArray, driven: li
     return omega
 
 
-def _modal_ramps(assembly: Assembly, vectors: FloatArray) -> ModalRamps | None:
+def _modal_ramps(assembly: Assembly, state: ContactState, vectors: FloatArray) -> ModalRamps | None:
     """The sampled forces on modes, which are columns ``(n, n)``; None without any."""
     forces = assembly.problem.forces
     if forces.ramps is None:
         return None
-    return ModalRamps(forces.ramps, vectors.T @ np.stack([assembly.load(it.shape) for it in forces.sampled], axis=1))
+    base, seen = np.zeros((vectors.shape[1], 2)), np.zeros(len(assembly.stop_places[0]))
+    if forces.seen is not None:
+        seen = assembly.base_shares[assembly.stop_places[0]]
+        base[:, 0] = -vectors.T @ (_springs(assembly, state) @ assembly.stop_rows)
+    shares = vectors.T @ np.stack([assembly.load(it.shape) for it in forces.sampled], axis=1)
+    return ModalRamps(forces.ramps, shares, base, seen)
+
+
+def _springs(assembly: Assembly, state: ContactState) -> FloatArray:
+    """Force by which each closed stop fixed in space pushes for a unit of -y, N/m, shape ``(P,)``."""
+    stops = assembly.problem.structure.stops
+    return np.array([stop.stiffness * (k in state) for k, stop in enumerate(stops)]) * assembly.base_shares
 
 
 def drag_on(assembly: Assembly, vectors: FloatArray) -> FloatArray | None:

@@ -148,9 +148,13 @@ def _kept(history: History, stop: int, spans: Sequence[Span]) -> list[float]:
 
 def without_stored(history: History) -> History:
     """The motion with energies that were integrals of F d', less what a spring stores where a contact is cut."""
-    contacts = list(history.contacts)
-    for i, it in enumerate(contacts):
-        if history.problem.stops[it.stop].damping > 0 and (it.open_start or it.open_end):
-            (kept,) = _kept(history, it.stop, [Span(it.start, it.end, it.open_start, it.open_end)])
-            contacts[i] = replace(it, dissipated=it.dissipated - kept)
+    contacts, stops = list(history.contacts), history.problem.structure.stops
+    cut = [i for i, it in enumerate(contacts) if stops[it.stop].damping > 0 and (it.open_start or it.open_end)]
+    if cut:
+        ends = history.penetration(np.array([history.start, history.end]))
+        stored = np.array([stop.stiffness for stop in stops])[:, None] / 2 * ends**2
+        for i in cut:
+            it = contacts[i]
+            kept = it.open_end * stored[it.stop, 1] - it.open_start * stored[it.stop, 0]
+            contacts[i] = replace(it, dissipated=it.dissipated - float(kept))
     return replace(history, contacts=tuple(contacts))

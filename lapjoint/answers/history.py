@@ -108,6 +108,9 @@ class History(Shown):
     """z(x, t), m, and its derivatives."""
     error_source: str = NO_ERRORS
     """How the errors of the contacts were estimated, or why there are none."""
+    lost_errors: FloatArray | None = None
+    """Estimates of the numerical errors of `dissipated`, J, shape ``(stops,)``; None if the contacts' errors are all
+    that is known."""
     highest_mode: float | None = None
     """Angular frequency of the fastest mode in the solver's motion, rad/s; None if the solver does not state it."""
 
@@ -350,13 +353,15 @@ class History(Shown):
         return total
 
     def dissipated_errors(self) -> FloatArray | None:
-        """Estimates of the numerical errors of `dissipated`: the sums of the errors of the contacts.
+        """Estimates of the numerical errors of `dissipated`: `lost_errors`, or the sums of the errors of the contacts.
 
         Returns
         -------
         FloatArray, shape (stops,), or None
             Errors, J; infinite where no error can be stated, None if none was estimated.
         """
+        if self.lost_errors is not None:
+            return self.lost_errors
         total = np.zeros(len(self.problem.stops))
         for contact in self.contacts:
             if contact.dissipated_error is None:

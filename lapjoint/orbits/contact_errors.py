@@ -70,7 +70,17 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         source += f"; from {breaks[0, 0]:.6g} s on it is not always certain whether the force of a stop ends"
     if parted < len(contacts):
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
-    return replace(history, contacts=contacts, error_source=source)
+    lost = _lost_errors(history, other, refinement, found) if parted == len(contacts) else None
+    return replace(history, contacts=contacts, error_source=source, lost_errors=lost)
+
+
+def _lost_errors(history: History, finer: History, refinement: Refinement, found: Differences) -> FloatArray:
+    """Errors of the energies lost in the stops over a whole march, J, (stops,): no break of a force changes them."""
+    own, apart = history.dissipated(), np.abs(history.dissipated() - finer.dissipated())
+    finite = found.dissipated[np.isfinite(found.dissipated)]
+    largest = float(max(apart.max(initial=0.0), finite.max(initial=0.0)))
+    errors = refinement.bounds(apart, largest, dt=OF_ENERGY) + ROUNDING * float(np.abs(own).max(initial=0.0))
+    return np.where([stop.damping > 0 for stop in history.problem.stops], errors, 0.0)
 
 
 def without_broken(found: Differences, broken: npt.NDArray[np.bool_]) -> Differences:
@@ -116,9 +126,10 @@ def differences(contacts: Sequence[Contact], others: Sequence[Contact], period: 
             continue
         mine = [contacts[i] for i in own]
         partner, mutual, apart = _partners([c.start for c in mine], [c.start for c in other], period)
-        by_end, both, _ = _partners([c.end for c in mine], [c.end for c in other], period)
         start[own[mutual]] = apart[mutual]
-        mutual &= both & (by_end == partner)
+        if len(mine) > 1 or len(other) > 1:  # else they are partners by their ends, too
+            by_end, both, _ = _partners([c.end for c in mine], [c.end for c in other], period)
+            mutual &= both & (by_end == partner)
         pairs = [(contacts[i], other[k]) for i, k in zip(own[mutual], partner[mutual], strict=True)]
         impulse[own[mutual]] = [abs(one.impulse - another.impulse) for one, another in pairs]
         peak[own[mutual]] = [abs(one.peak_force - another.peak_force) for one, another in pairs]
@@ -132,6 +143,8 @@ def _partners(
     """Index of the nearest other time to each time, whether each is the nearest to the other, and their distance, s."""
     one, other = np.array(times), np.array(others)
     partner, apart = _nearest(one, other, period)
+    if one.size == other.size == 1:
+        return partner, np.ones(1, dtype=np.bool_), apart
     return partner, _nearest(other, one, period)[0][partner] == np.arange(one.size), apart
 
 
@@ -143,9 +156,9 @@ def _nearest(times: FloatArray, others: FloatArray, period: float | None) -> tup
     index = np.arange(others.size)
     if period is not None:
         times, at = times % period, np.argsort(others % period, kind="stable")
-        others, index = (others % period)[at], np.tile(at, 3)
+        others, index = (others % period)[at], np.concatenate([at, at, at])
         others = np.concatenate([others - period, others, others + period])
-    after = np.clip(np.searchsorted(others, times), 0, others.size - 1)
+    after = np.minimum(np.searchsorted(others, times), others.size - 1)
     before = np.maximum(after - 1, 0)
     nearest = np.where(np.abs(times - others[before]) <= np.abs(others[after] - times), before, after)
     return index[nearest], np.abs(others[nearest] - times)

@@ -24,10 +24,15 @@ def undecided_breaks(history: History, finer: History, refinement: Refinement) -
 
     `finer` is the motion at the finer resolution, at the same times.
     """
-    found = []
-    for k, stop in enumerate(history.problem.structure.stops):
-        if stop.damping > 0 and not stop.may_pull:
-            found += [(t, float(k)) for t in _breaks(history, finer, refinement, k)]
+    stops = [k for k, stop in enumerate(history.problem.structure.stops) if stop.damping > 0 and not stop.may_pull]
+    times = [_times(history, k) for k in stops]
+    found, at = [], np.cumsum([0, *(t.size for t in times)])
+    if at[-1]:
+        every = np.concatenate([t.ravel() for t in times])
+        forces = [_forces(motion, every) for motion in (history, finer)]
+        for i, (k, t) in enumerate(zip(stops, times, strict=True)):
+            own, other = (force[k, at[i] : at[i + 1]].reshape(t.shape) for force in forces)
+            found += [(moment, float(k)) for moment in _breaks(t, own, other, refinement)]
     return np.array(sorted(found)).reshape(-1, 2).T
 
 
@@ -52,16 +57,19 @@ def cut(history: History, breaks: FloatArray) -> npt.NDArray[np.bool_]:
     return found
 
 
-def _breaks(history: History, finer: History, refinement: Refinement, stop: int) -> list[float]:
-    """Times of least values, by either motion, of which the sign is not certain, s."""
+def _times(history: History, stop: int) -> FloatArray:
+    """Times between two switches of the force of a stop while it is closed, s, one column each: ``(S, pieces)``."""
     closed = np.array([stop in state for state in history.states])
     released = np.array([stop in state.released for state in history.states])
     switched = (np.diff(closed) | np.diff(released)).astype(bool)
     edges = np.concatenate([[history.start], history.switch_times[switched], [history.end]])
     edges = edges[np.diff(edges, append=np.inf) > 0]
     inside = closed[np.searchsorted(history.switch_times, edges[:-1], side="right")]
-    t = (edges[:-1] + np.arange(_SAMPLES)[:, None] / _SAMPLES * np.diff(edges))[:, inside]
-    own, other = (_force(motion, stop, t.ravel()).reshape(t.shape) for motion in (history, finer))
+    return np.asarray((edges[:-1] + np.arange(_SAMPLES)[:, None] / _SAMPLES * np.diff(edges))[:, inside])
+
+
+def _breaks(t: FloatArray, own: FloatArray, other: FloatArray, refinement: Refinement) -> list[float]:
+    """Times of least values of which the sign is not certain, s, of two motions' forces, N; all ``(S, pieces)``."""
     apart = np.abs(own - other)
     uncertain = np.abs(own) <= refinement.bounds(apart, apart, dt=1)
     least = np.zeros(t.shape, dtype=bool)
@@ -70,8 +78,11 @@ def _breaks(history: History, finer: History, refinement: Refinement, stop: int)
     return [float(it) for it in t[least & uncertain]]
 
 
-def _force(history: History, stop: int, t: FloatArray) -> FloatArray:
-    """k d + c d' of a stop, N, at times, s."""
-    it = history.problem.structure.stops[stop]
-    d, rate = (it.sign * history.seen_by_stops(t, dt)[stop] for dt in (0, 1))
-    return np.asarray(it.stiffness * (d - it.gap) + it.damping * rate)
+def _forces(history: History, t: FloatArray) -> FloatArray:
+    """k d + c d' of each stop, N, at times, s, ``(m,)``: shape ``(P, m)``."""
+    stops = history.problem.structure.stops
+    sign, gap, k, c = (
+        np.array([getattr(stop, name) for stop in stops])[:, None] for name in ("sign", "gap", "stiffness", "damping")
+    )
+    d, rate = (sign * history.seen_by_stops(t, dt) for dt in (0, 1))
+    return np.asarray(k * (d - gap) + c * rate)

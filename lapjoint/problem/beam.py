@@ -4,9 +4,10 @@ segments, if these change along the beam."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, Self
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -220,7 +221,13 @@ class Beam(Part):
             fluids = [name for name in ("contents_per_length", "added_mass_per_length") if getattr(self, name)]
             yield from _piece_out_of_range(piece.EI, piece.inertia, self.length, EI_from, (*m_from, *fluids))
 
-    @property
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """A copy with other values.  See `pydantic.BaseModel.model_copy`; the pieces follow from the new values."""
+        made = super().model_copy(update=update, deep=deep)
+        vars(made).pop("pieces", None)
+        return made
+
+    @cached_property
     def pieces(self) -> tuple[BeamPiece, ...]:
         """The parts of constant stiffness and mass, from the root to the tip; one, if there are no segments."""
         found, start = [], 0.0

@@ -151,15 +151,14 @@ def _of_stiffness(problem: Written, joint: Structure) -> Iterator[str]:
                 f"stops[{i}].stiffness = {stop.stiffness:g}: is {stop.stiffness / unit:.2g} {text}; allowed are up to "
                 f"{_STIFFEST:g} {text}, which is {_STIFFEST * unit:.2g}"
             )
-        critical = min(
-            math.sqrt(beam.m) * (math.sqrt(beam.EI) / beam.length + math.sqrt(stop.stiffness * beam.length))
-            for beam in beams
-        )
-        if stop.damping > _MOST_IN_STOP * critical:
-            yield (
-                f"stops[{i}].damping = {stop.damping:g}: must be at most {_MOST_IN_STOP:g} times sqrt(EI m) / length + "
-                f"sqrt(stiffness m length), which is {_MOST_IN_STOP * critical:.2g} N s/m"
-            )
+        if stop.damping > 0:
+            roots = (math.sqrt(it.EI) / it.length + math.sqrt(stop.stiffness * it.length) for it in beams)
+            critical = min(math.sqrt(it.m) * root for it, root in zip(beams, roots, strict=True))
+            if stop.damping > _MOST_IN_STOP * critical:
+                yield (
+                    f"stops[{i}].damping = {stop.damping:g}: must be at most {_MOST_IN_STOP:g} times sqrt(EI m) / "
+                    f"length + sqrt(stiffness m length), which is {_MOST_IN_STOP * critical:.2g} N s/m"
+                )
 
 
 def _of_springs(path: str, springs: Support | PlacedLink, beams: Sequence[Beam]) -> Iterator[str]:

@@ -57,12 +57,16 @@ def masses_of(problem: Written, line: Line) -> list[tuple[str, Mass]]:
 
 def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
     """A stop on the line."""
-    shares = [beam.base_share if isinstance(beam, NamedBeam) else 1.0 for beam in line.beams]
+
+    def share_at(x: float) -> float:
+        beam = line.beams[line.beam_at(x)]
+        return beam.base_share if isinstance(beam, NamedBeam) else 1.0
+
     if stop.between is not None:
         first, second = (line.at(place) for place in stop.between)
         side = "between"
         reading: tuple[tuple[float, float], ...] = ((second, 1.0), (first, -1.0))
-        share = shares[line.beam_at(second)] - shares[line.beam_at(first)]
+        share = share_at(second) - share_at(first)
         where = " to ".join(map(line.place, (first, second)))
     else:
         assert stop.x is not None
@@ -70,7 +74,7 @@ def _placed_stop(stop: Stop, line: Line) -> PlacedStop:
         x = float(stop.x) if not line.several and not isinstance(stop.x, str) else line.at(stop.x)
         side, where = stop.side, line.place(x)
         reading = ((x, 1.0),)
-        share = shares[line.beam_at(x)] if stop.in_space else 0.0
+        share = share_at(x) if stop.in_space else 0.0
     return PlacedStop(stop.sign, reading, share, stop.gap, stop.stiffness, stop.damping, stop.may_pull, where, side)
 
 

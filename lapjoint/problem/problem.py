@@ -89,7 +89,7 @@ class Problem(Part):
         if not faults or can_be_placed(self):
             faults += [
                 *names_used_twice(self),
-                *faults_of_size(self, placed(self, self.line), self._excitation),
+                *faults_of_size(self, self.structure, self._excitation),
                 *_base_of_stops_in_space(self),
             ]
         if not faults:

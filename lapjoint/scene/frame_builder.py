@@ -71,11 +71,14 @@ def drawing_of(
     carried = "displacement" if look.frame == "relative" else "displacement_absolute"
     s = _scale(look, scene, block.values, carried)
 
-    skins, springs, plates, words = [], [], [], []
+    skins: list[Skin] = []
+    springs, plates, words = [], [], []
     rest = iter(block.values)
     for (name, _), layout, group, history in zip(scene.sources, scene.layouts, scene.groups, histories, strict=True):
-        values = {part.name: (part, next(rest)) for part in group}
-        skins.append(_skin(*values.get("solid", values["beam"]), layout, shade, s, carried))
+        carrying = [(part, next(rest)) for part in group]
+        values = {part.name: (part, carries) for part, carries in carrying}
+        shown, first = "solid" if "solid" in values else "beam", len(skins)
+        skins += [_skin(*one, layout, shade, s, carried) for one in carrying if one[0].name == shown]
         if "stops" in values:
             springs.append(_springs(*values["stops"], layout, s, carried, _acting(history, times, step)))
             if len(springs) == 1 or springs[-1].names != springs[0].names:
@@ -85,7 +88,7 @@ def drawing_of(
                 part, carries = values[rigid]
                 plates.append(Plates(part.cells, _moved(part, carries, s, carried)))
         if len(histories) > 1:
-            root = skins[-1].points[:, 0] * [1, 0, 1] + [-0.03 * layout.longest, layout.offset, 0.0]
+            root = skins[first].points[:, 0] * [1, 0, 1] + [-0.03 * layout.longest, layout.offset, 0.0]
             words.append(Word(cut_to(name, LONGEST_NAME), root, "right"))
     largest = _round_up(max(float(np.abs(skin.values).max()) for skin in skins))
     notes = [*(history.solver for history in histories), _scale_note(s, look, histories, pace * step)]

@@ -2,7 +2,8 @@
 
 The points are those of the joint at rest with all gaps at zero: the axis of the beam lies on z = 0, and the face of
 each stop lies on the beam's surface.  Every part carries ``displacement``, so the filter Warp By Vector of ParaView
-moves all parts together, at any scale, and a beam that presses a stop touches the stop at every scale.
+moves all parts together, at any scale, and a beam that presses a stop touches the stop at every scale.  Of several
+beams each is a part, or a block, of its own: ``beam_upper`` and ``solid_upper`` of a beam called upper.
 
 ================== ====================== ==============================================================
 part               cells                  what it is
@@ -19,9 +20,9 @@ part               cells                  what it is
 point value              unit       meaning
 ======================== ========== ===============================================================================
 ``displacement``         m          vector, relative to the base; on the solid with its cross-sections' rotation
-``displacement_absolute`` m         vector, the base's own motion included
+``displacement_absolute`` m         vector, the base's own motion, times the beam's base_share, included
 ``velocity``             m/s        vector, relative to the base (beam and solid)
-``velocity_absolute``    m/s        vector, the base's own motion included (beam and solid)
+``velocity_absolute``    m/s        vector, the base's own motion, times base_share, included (beam and solid)
 ``slope``                rad        z_x (beam and solid)
 ``moment``               N m        EI z_xx (14a) (beam and solid)
 ``shear``                N          EI z_xxx (14b), to the left of a concentrated force (beam and solid)
@@ -44,6 +45,7 @@ cell value         unit   meaning
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -93,6 +95,17 @@ class Part:
 
     layout: Layout
     """The joint to which the part belongs."""
+    beam: int | None = None
+    """Index of the only beam that the part shows; None: all that there are."""
+
+    @property
+    def label(self) -> str:
+        """Name of the part among those of its joint: its kind, and of one of several beams the beam's name."""
+        if self.beam is None:
+            return self.name
+        words = [re.sub(r"[^\w+-]+", "_", name) for name in self.layout.problem.line.names]
+        alike = words.count(words[self.beam]) > 1
+        return f"{self.name}_{words[self.beam]}{f'_{self.beam}' if alike else ''}"
 
     @property
     def name(self) -> str:
@@ -113,6 +126,31 @@ class Part:
     def _mesh(self) -> tuple[FloatArray, IntArray]:
         raise NotImplementedError
 
+    @property
+    def _on_line(self) -> FloatArray:
+        """A position on the line of the beam with whose base each point moves, m, shape (points,)."""
+        raise NotImplementedError
+
+    @cached_property
+    def _shares(self) -> FloatArray:
+        """How much of the base's motion is added to each point's, shape (points,)."""
+        x, at = np.unique(self._on_line, return_inverse=True)
+        return self.layout.problem.structure.base_shares(x)[at]
+
+    def _displacements(self, relative: FloatArray, sample: Sample) -> Arrays:
+        """Displacements of the points, m, ``(m, points, 3)``, without and with those of the base."""
+        return {"displacement": relative, "displacement_absolute": self._with_base(relative, sample.base[0])}
+
+    def _velocities(self, relative: FloatArray, sample: Sample) -> Arrays:
+        """Velocities of the points, m/s, ``(m, points, 3)``, without and with those of the base."""
+        return {"velocity": relative, "velocity_absolute": self._with_base(relative, sample.base[1])}
+
+    def _with_base(self, vectors: FloatArray, base: FloatArray) -> FloatArray:
+        """Vectors, ``(m, points, 3)``, to which each point's share of the base's motion along z, ``(m,)``, is added."""
+        moved = vectors.copy()
+        moved[:, :, 2] += np.outer(base, self._shares)
+        return moved
+
     def values(self, sample: Sample) -> Values:
         """The values of the part at the `m` times of a sample; the head of this module lists them with their units."""
         raise NotImplementedError
@@ -122,31 +160,41 @@ class Beam(Part):
     """The axis of the beam."""
 
     @cached_property
+    def _stations(self) -> IntArray:
+        """Indices of the stations on the beam, ascending, ``(points,)``."""
+        on = self.layout.beam_of(self.layout.stations)
+        return np.flatnonzero((on == self.beam) | (self.beam is None)).astype(np.int64)
+
+    @property
+    def _on_line(self) -> FloatArray:
+        return self.layout.stations[self._stations]
+
+    @cached_property
     def _mesh(self) -> tuple[FloatArray, IntArray]:
-        x, on = self.layout.stations, self.layout.beam_of(self.layout.stations)
-        first = np.flatnonzero(on[:-1] == on[1:])
-        return self.layout.place(x, 0.0, 0.0), np.column_stack([first, first + 1])
+        first = np.arange(self._stations.size - 1)
+        return self.layout.place(self._on_line, 0.0, 0.0), np.column_stack([first, first + 1])
 
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         beam, problem = sample.beam, self.layout.problem
-        z, EI = beam["z"], problem.line.EI_at(self.layout.stations)
-        point = _displacements(_upwards(z), sample)
+        here, x = self._stations, self._on_line
+        EI = problem.line.EI_at(x)
+        point = self._displacements(_upwards(beam["z"][:, here]), sample)
         if "z_t" in beam:
-            point |= _velocities(_upwards(beam["z_t"]), sample)
+            point |= self._velocities(_upwards(beam["z_t"][:, here]), sample)
         point |= {
-            "slope": beam["z_x"],
-            "moment": EI * beam["z_xx"],
-            "shear": EI * beam["z_xxx"],
+            "slope": beam["z_x"][:, here],
+            "moment": EI * beam["z_xx"][:, here],
+            "shear": EI * beam["z_xxx"][:, here],
         }
         if problem.line.has_sections:
-            point["bending_stress"] = -problem.line.stress_per_moment_at(self.layout.stations) * EI * beam["z_xx"]
-        force = np.zeros_like(z)
+            point["bending_stress"] = -problem.line.stress_per_moment_at(x) * EI * beam["z_xx"][:, here]
+        force = np.zeros_like(beam["z"])
         for stop, station in enumerate(self.layout.at_stops):
             force[:, station] += sample.force[:, stop]
         for stop, station in self.layout.on_beams:
             force[:, station] -= sample.force[:, stop]
-        return Values(point | {"contact_force": _upwards(force)}, {})
+        return Values(point | {"contact_force": _upwards(force[:, here])}, {})
 
 
 class Solid(Part):
@@ -156,7 +204,8 @@ class Solid(Part):
     def _blocks(self) -> tuple[tuple[BeamPiece, SectionMesh, IntArray], ...]:
         """Each piece of the beam with the mesh of its section, and the indices of the stations from start to end."""
         x, found = self.layout.stations, []
-        for piece in self.layout.problem.line.pieces:
+        line = self.layout.problem.line
+        for piece in (it for it in line.pieces if self.beam in (None, line.beam_at(it.start))):
             assert piece.section is not None
             found.append((piece, section_mesh(piece.section), np.flatnonzero((x >= piece.start) & (x <= piece.end))))
         return tuple(found)
@@ -183,6 +232,10 @@ class Solid(Part):
         ]
         return np.concatenate(station), np.concatenate(ratio)
 
+    @property
+    def _on_line(self) -> FloatArray:
+        return self.layout.stations[self._of_points[0]]
+
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         beam, (station, ratio) = sample.beam, self._of_points
@@ -194,9 +247,9 @@ class Solid(Part):
             return values[:, station]
 
         z_x, moment = on_points(beam["z_x"]), on_points(EI * beam["z_xx"])
-        point = _displacements(_vectors(on_points(beam["z"]), -height * z_x), sample)
+        point = self._displacements(_vectors(on_points(beam["z"]), -height * z_x), sample)
         if "z_t" in beam:
-            point |= _velocities(_vectors(on_points(beam["z_t"]), -height * on_points(beam["z_xt"])), sample)
+            point |= self._velocities(_vectors(on_points(beam["z_t"]), -height * on_points(beam["z_xt"])), sample)
         point |= {"slope": z_x, "moment": moment, "shear": on_points(EI * beam["z_xxx"])}
         return Values(point | {"bending_stress": -ratio * height * moment}, {})
 
@@ -214,6 +267,11 @@ class Masses(Part):
         cells = faces[None] + len(corner) * np.arange(len(masses))[:, None, None]
         return self.layout.place(x + dx, y, z), cells.reshape(-1, 4).astype(np.int64)
 
+    @property
+    def _on_line(self) -> FloatArray:
+        x = [mass.x for mass in self.layout.problem.structure.masses]
+        return np.repeat(x, len(self.points) // len(x))
+
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`."""
         x = np.array([mass.x for mass in self.layout.problem.structure.masses])
@@ -221,10 +279,18 @@ class Masses(Part):
         from_axis = self.points - self.layout.place(self.layout.stations[at], 0.0, 0.0)
         slope = sample.beam["z_x"][:, at]
         moved = _vectors(sample.beam["z"][:, at] + slope * from_axis[:, 0], -slope * from_axis[:, 2])
-        return Values(_displacements(moved, sample), {})
+        return Values(self._displacements(moved, sample), {})
 
 
-class Stops(Part):
+class _AtStops(Part):
+    """A line at each stop, which moves with the base of the beam that meets the stop."""
+
+    @property
+    def _on_line(self) -> FloatArray:
+        return np.repeat([stop.met for stop in self.layout.problem.structure.stops], 2)
+
+
+class Stops(_AtStops):
     """The springs of the stops."""
 
     @cached_property
@@ -239,7 +305,7 @@ class Stops(Part):
         moved = np.stack([sample.faces, feet + sample.moved], axis=2)
         pressed = np.abs(sample.force) / np.array([stop.stiffness for stop in stops])
         return Values(
-            _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
+            self._displacements(_upwards(moved.reshape(len(moved), -1)), sample),
             {
                 "contact_force": _upwards(sample.force),
                 "closed": sample.closed,
@@ -249,7 +315,7 @@ class Stops(Part):
         )
 
 
-class Gaps(Part):
+class Gaps(_AtStops):
     """The openings between the beam and each stop."""
 
     @cached_property
@@ -262,7 +328,7 @@ class Gaps(Part):
         moved = np.stack([surface, sample.faces], axis=2)
         opening = np.abs(sample.faces - surface)
         return Values(
-            _displacements(_upwards(moved.reshape(len(moved), -1)), sample),
+            self._displacements(_upwards(moved.reshape(len(moved), -1)), sample),
             {"opening": opening, "closed": sample.closed, "stop": _numbers(sample)},
         )
 
@@ -294,6 +360,10 @@ class Base(Part):
         x, y, z = np.array(corners, dtype=float).reshape(-1, 3).T
         return layout.place(x, y, z), np.arange(4 * len(self._plates)).reshape(-1, 4)
 
+    @property
+    def _on_line(self) -> FloatArray:
+        return np.repeat([start for start, *_ in self._plates], 4)
+
     def values(self, sample: Sample) -> Values:
         """See `lapjoint.scene.parts.Part.values`.  The end of a post that holds the beam moves with the beam."""
         heights = [z for _, low, _, high in self._plates for z in (low, high, high, low)]
@@ -306,17 +376,19 @@ class Base(Part):
             if not _is_wall(support, structure.line):
                 station = int(np.searchsorted(self.layout.stations, support.x))
                 z[:, [first + 4 * i, first + 4 * i + 3]] = sample.beam["z"][:, [station]]
-        return Values(_displacements(_upwards(z), sample), {})
+        return Values(self._displacements(_upwards(z), sample), {})
 
 
 def parts_of(layout: Layout, *, gaps: bool = True) -> tuple[Part, ...]:
     """The parts of a joint: a solid if there are cross-sections, masses, and stops, with their gaps if asked for."""
     problem = layout.problem
-    solid = (Solid(layout),) if problem.line.has_sections else ()
+    each = range(len(problem.line.beams)) if problem.line.several else (None,)
+    beams = [Beam(layout, i) for i in each]
+    solid = [Solid(layout, i) for i in each] if problem.line.has_sections else []
     masses = (Masses(layout),) if problem.structure.masses else ()
     stops = (Stops(layout), *((Gaps(layout),) if gaps else ())) if problem.structure.stops else ()
     base = (Base(layout),) if problem.structure.stops or problem.structure.supports else ()
-    return (Beam(layout), *solid, *masses, *stops, *base)
+    return (*beams, *solid, *masses, *stops, *base)
 
 
 def _is_wall(support: Support, line: Line) -> bool:
@@ -350,18 +422,3 @@ def _upwards(z: FloatArray) -> FloatArray:
 def _vectors(z: FloatArray, x: FloatArray) -> FloatArray:
     """Vectors, shape ``(m, n, 3)``, from their z- and x-components, each of shape ``(m, n)``."""
     return np.stack([x, np.zeros_like(z), z], axis=2)
-
-
-def _displacements(relative: FloatArray, sample: Sample) -> Arrays:
-    return {"displacement": relative, "displacement_absolute": _with_base(relative, sample.base[0])}
-
-
-def _velocities(relative: FloatArray, sample: Sample) -> Arrays:
-    return {"velocity": relative, "velocity_absolute": _with_base(relative, sample.base[1])}
-
-
-def _with_base(vectors: FloatArray, base: FloatArray) -> FloatArray:
-    """Vectors, shape ``(m, n, 3)``, to which the motion of the base along z, shape ``(m,)``, is added."""
-    moved = vectors.copy()
-    moved[:, :, 2] += base[:, None]
-    return moved

@@ -68,7 +68,7 @@ class Scene:
         """All parts, each with its name in the scene."""
         several = len(self.sources) > 1
         return tuple(
-            (f"{name}_{part.name}" if several else part.name, part)
+            (f"{name}_{part.label}" if several else part.label, part)
             for (name, _), group in zip(self.sources, self.groups, strict=True)
             for part in group
         )
@@ -144,7 +144,7 @@ def _compared(part: Part, values: Values, first: Arrays) -> Values:
     moved = values.point["displacement"]
     if part.name not in ("beam", "solid"):
         return values
-    if part.name not in first:
-        first[part.name] = moved
+    if part.label not in first:
+        first[part.label] = moved
         return values
-    return Values(values.point | {"difference": moved - first[part.name]}, values.cell)
+    return Values(values.point | {"difference": moved - first[part.label]}, values.cell)

@@ -34,9 +34,10 @@ def write_xdmf(scene: Scene, blocks: Iterable[Block], folder: Path, name: str, n
 def _remove(folder: Path, name: str) -> None:
     """Remove the files of all parts of a series."""
     for part in PARTS:
-        for old in (*folder.glob(f"{name}_{part}.xdmf"), *folder.glob(f"{name}_*_{part}.xdmf")):
-            old.unlink()
-            old.with_suffix(".h5").unlink(missing_ok=True)
+        for pattern in (f"{name}_{part}", f"{name}_*_{part}", f"{name}_{part}_*", f"{name}_*_{part}_*"):
+            for old in folder.glob(f"{pattern}.xdmf"):
+                old.unlink()
+                old.with_suffix(".h5").unlink(missing_ok=True)
 
 
 def _write_all(scene: Scene, blocks: Iterable[Block], paths: Sequence[Path]) -> None:

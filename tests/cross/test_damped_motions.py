@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from damped_stops import Draw, Marched, by_elements, by_modes, pinned_bar, sampled_joint
+from damped_stops import Draw, Marched, by_elements, by_modes, loose_beam, pinned_bar, sampled_joint
 from random_joints import damped_cantilever, dragged_cantilever
 
 import analytic
@@ -149,14 +149,14 @@ def test_many_motions_whose_damping_couples_modes_do(marched: March, seed: int) 
     check_motion(marched, seed, draw=dragged_cantilever)
 
 
-def along_ramps(rng: np.random.Generator) -> Problem:
+def along_ramps(rng: np.random.Generator, **options: bool) -> Problem:
     """A random cantilever that a record or random motion drives, with stops in space as frequent as others."""
-    return sampled_joint(int(rng.integers(1000)))
+    return sampled_joint(int(rng.integers(1000)), **options)
 
 
-def dragged_along_ramps(rng: np.random.Generator) -> Problem:
+def dragged_along_ramps(rng: np.random.Generator, **options: bool) -> Problem:
     """The same with a mass at its tip, under viscous damping, which couples its modes."""
-    return along_ramps(rng).replace(
+    return along_ramps(rng, **options).replace(
         masses=(Mass(x=1.0, mass=0.3),), damping=ViscousDamping(coefficient=float(rng.uniform(0.1, 3)))
     )
 
@@ -170,6 +170,21 @@ def test_motions_along_ramps_switch_where_brute_force_finds_it() -> None:
 @pytest.mark.parametrize("seed", range(60))
 def test_many_motions_along_ramps_do(draw: Draw, seed: int) -> None:
     check_motion(by_modes, seed, 1.2, draw)
+
+
+@pytest.mark.parametrize("draw", [along_ramps, dragged_along_ramps])
+@pytest.mark.parametrize(
+    "seed",
+    [pytest.param(9, marks=pytest.mark.thorough), *(pytest.param(k, marks=pytest.mark.slow) for k in range(9))],
+)
+def test_meshes_along_ramps_switch_where_brute_force_finds_it(draw: Draw, seed: int) -> None:
+    check_motion(by_elements, seed, 1.0, draw)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_loose_meshes_meet_damped_stops_where_brute_force_finds_it(seed: int) -> None:
+    check_motion(by_elements, seed, 0.5, lambda rng, **options: loose_beam(seed))
 
 
 def check_derivative(solver: Solver, seed: int, draw: Draw = damped_cantilever) -> None:

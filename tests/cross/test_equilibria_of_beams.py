@@ -67,6 +67,18 @@ def test_a_lap_joint_in_equilibrium_stays_there(solver: analytic.Solver | fe_lap
     assert np.abs(z - z[:, :1]).max() <= 1e-12 * size
 
 
+@pytest.mark.parametrize("solver", MARCHES, ids=IDS)
+@pytest.mark.parametrize(("moved", "closed"), [(0.02, (2,)), (-0.02, (0, 1))])
+def test_gaps_between_beams_are_read_on_both_at_the_start(
+    solver: analytic.Solver | fe_lapjoint.Solver, moved: float, closed: tuple[int, ...]
+) -> None:
+    """The upper plate, moved up, leaves the lower one, and moved down strikes it; the bolt holds at the other."""
+    start = {"kind": "beams", "beams": [{"beam": "upper", "displacement": [0, 0, moved]}]}
+    lap = lap_joint().replace(base_motion=None, initial=start)
+
+    assert solver.simulate(lap, 1e-6, errors=False).states[0].closed == closed
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", MARCHES, ids=IDS)
 def test_random_systems_in_equilibrium_stay_there(solver: analytic.Solver | fe_lapjoint.Solver) -> None:

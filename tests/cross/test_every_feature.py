@@ -39,6 +39,7 @@ FEW = (2, 7, 10)
 COVERED = 0.92  # of the errors stated for steady states, that hold
 MOST_APART = 0.03  # of joints that both solvers decide on
 MOST_MISSED = 0.03  # of the numbers of first contacts
+MOST_MODES = 120  # of a truth: coupled modes cost their cube
 SHARE = 1 / 20  # of the stated error, by which halving its modes may move the truth
 
 
@@ -109,7 +110,8 @@ def _where_it_settles(problem: Problem, one: SteadyState, other: SteadyState) ->
 def _covered(problem: Problem, found: list[SteadyState]) -> tuple[bool | None, ...]:
     """Whether stated errors of impulses hold; the truth is the analytic solver with twice and four times the modes."""
     steady, truths = found[0], []
-    if steady.period_multiple and steady.history.contacts:
+    few = 4 * max(analytic.Solver().mode_counts(problem)) <= MOST_MODES
+    if few and steady.period_multiple and steady.history.contacts:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             truths = [refined(doubled(analytic.Solver(), problem, n), problem, steady) for n in (1, 2)]
@@ -146,6 +148,7 @@ def check(found: Iterable[Examined], covered: float) -> None:
     assert not [it for it in joints if any(said.startswith("false") for said in it.certificates)]
 
 
+@pytest.mark.thorough
 def test_a_few_joints_of_every_feature_are_solved_alike() -> None:
     check(map(examined, FEW), 1.0)
 

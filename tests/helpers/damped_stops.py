@@ -92,6 +92,39 @@ def sampled_joint(seed: int, **options: bool) -> Problem:
     )
 
 
+def loose_beam(seed: int) -> Problem:
+    """A beam on nothing or on a pin, between damped stops, driven by a record and by a random force."""
+    rng, t = np.random.default_rng(seed), np.linspace(0.0, 3.0, 60)
+    stops = [
+        {
+            "x": x,
+            "side": side,
+            "gap": 0.01,
+            "stiffness": 100.0,
+            "damping": float(rng.uniform(1, 20)),
+            "fixed_to": str(rng.choice(["base", "space"])),
+        }
+        for x in (0.1, 0.9)
+        for side in ("top", "bottom")
+    ]
+    viscous = {"kind": "viscous", "coefficient": 0.4}
+    return Problem.model_validate(
+        {
+            "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
+            "supports": [] if seed % 2 else [{"x": 0.3, "translational": math.inf}],
+            "stops": stops,
+            "damping": {"kind": "modal", "ratio": 0.05} if rng.random() < 0.5 else viscous,
+            "base_motion": {
+                "kind": "record",
+                "quantity": "displacement",
+                "times": t,
+                "values": 0.05 * np.sin(5 * t),
+            },
+            "point_loads": [{"kind": "random", "x": 0.9, "psd": [[0.5, 0.02], [1.5, 0.02]], "seed": seed, "rate": 9.0}],
+        }
+    )
+
+
 def knots_of(problem: Problem) -> FloatArray:
     """Times between which all sampled forces are linear, s, up to 20 s."""
     found = [force.knots_within(0.0, min(force.end, 20.0)) for force in problem.forces.sampled]
@@ -320,24 +353,32 @@ class MeshForWitness:
     """All modes of a mesh with the springs of the closed stops; no mode is left out."""
 
     def __init__(self, model: Model) -> None:
-        system = model.undamped(ContactState())
+        system, forces = model.undamped(ContactState()), model.problem.forces
         self.model, self.problem = model, model.problem
         self.harmonics = SimpleNamespace(omega=system.driven, theta=lambda t: system.driven * t + system.phase)
-        self.sizes = np.ones(1 + system.driven.size)
-        self.loaded = SimpleNamespace(positions=[None] * system.driven.size)
+        moved = [] if forces.seen is None else [MOVED_STOPS]
+        self.loaded = SimpleNamespace(positions=[None] * (system.driven.size + len(forces.sampled)) + moved)
+        self.sizes = np.ones(1 + len(self.loaded.positions))
 
     def modal(self, state: ContactState) -> SimpleNamespace:
         """The modes of a set of closed stops, and the loads on them."""
-        system, n = self.model.undamped(state), self.model.assembly.free.size
+        system, n, loads = self.model.undamped(state), self.model.assembly.free.size, self.sizes.size
+        still = loads - 1 - system.driven.size
+        n_stops = len(self.problem.stops)
+        springs = [stop.stiffness * (stop.in_space and k in state) for k, stop in enumerate(self.problem.stops)]
+        of_samples = [system.vectors.T @ self.model.assembly.load(it.shape) for it in self.problem.forces.sampled]
+        moved = [-np.array(springs) @ system.stops] * (still - len(of_samples))
         return SimpleNamespace(
             size=n,
             at_stops=system.stops,
-            force=np.concatenate([system.constant[None], system.harmonic.T]),
-            residual_at_stops=np.concatenate([np.zeros((1, system.place_of.size)), system.seen[system.place_of].T]),
+            force=np.stack([system.constant, *system.harmonic.T, *of_samples, *moved]),
+            residual_at_stops=np.concatenate(
+                [np.zeros((1, n_stops)), system.seen[system.place_of].T, np.zeros((still, n_stops))]
+            ),
             modes=SimpleNamespace(
                 omega=system.omega, shapes=lambda x: system.vectors.T @ self.model.assembly.shapes(x, 0).T
             ),
-            residual=lambda x: np.zeros((1 + system.driven.size, x.size)),
+            residual=lambda x: np.zeros((loads, x.size)),
             damping_rate=system.damping_rate * (not self.model.drags),
         )
 

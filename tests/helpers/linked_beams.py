@@ -3,9 +3,9 @@
 Exact members between nodes have the textbook dynamic stiffness, whose entries are power series where the member is
 short compared with its waves.  What infinite springs forbid is taken out by a basis of all that they allow.
 Frequencies below omega are counted by Wittrick and Williams: the negative eigenvalues of the stiffness, and the clamped
-frequencies of the members.  A root is halved down to 1e-11 by its count alone, so that none is missed, however near to
-another it lies.  In double precision the count errs by 1e-16 (EI / m L^4) / omega^2 or so; `exact_count` is that of
-forty digits.
+frequencies of the members.  In double precision the count errs by 1e-16 (EI / m l^4) / omega^2 or so, with the length l
+of the shortest member, which a link beside a step makes as short as it likes; it only brackets roots.  What is compared
+with a solver comes from fifty digits.
 """
 
 from __future__ import annotations
@@ -136,14 +136,26 @@ class ExactBeams:
         scale = 1 / np.sqrt(np.abs(np.diag(reduced)))
         return found + int(np.count_nonzero(np.linalg.eigvalsh(reduced * np.outer(scale, scale)) < 0))
 
-    def exact_count(self, omega: float) -> int:
-        """The `count` in forty digits."""
-        with mp.workdps(40):
-            w, found = mp.mpf(omega), 0
-            K = -(w**2) * mp.diag(self.mass.tolist())
+    def exact_count(self, omega: float | mp.mpf) -> int:
+        """The `count` in fifty digits."""
+        return self._counted(omega)[0]
+
+    def _counted(self, omega: float | mp.mpf) -> tuple[int, mp.mpf]:
+        """The `count` in fifty digits, and a determinant, without poles, whose roots are the frequencies."""
+        with mp.workdps(50):
+            w, found, size = mp.mpf(omega), 0, mp.mpf(1)
+            ways = [[(p, int(row[p])) for p in np.flatnonzero(row).tolist()] for row in self.allowed]
+            R: list[dict[int, mp.mpf]] = [{} for _ in range(self.allowed.shape[1])]
+
+            def add(i: int, j: int, value: mp.mpf) -> None:
+                for (p, one), (q, other) in product(ways[i], ways[j]):
+                    R[p][q] = R[p].get(q, mp.mpf(0)) + one * other * value
+
+            for i, mass in enumerate(self.mass.tolist()):
+                add(i, i, -(w**2) * mass)
             for ends, k in self.each:  # a soft spring beside a stiff one keeps its digits
                 for (i, one), (j, other) in product(ends, repeat=2):
-                    K[i, j] += mp.mpf(k) * one * other
+                    add(i, j, mp.mpf(k) * one * other)
             for i, *numbers in self.members:
                 length, EI, m = map(mp.mpf, numbers)
                 beta = mp.sqrt(w) * mp.root(m / EI, 4)
@@ -156,22 +168,22 @@ class ExactBeams:
                     (-ends, c - ch, beta * sums, -near), (ch - c, far, -near, less),
                 )  # fmt: skip
                 for a, b in product(range(4), repeat=2):
-                    K[i + a, i + b] += EI * beta**2 / d * own[a][b]
+                    add(i + a, i + b, EI * beta**2 / d * own[a][b])
                 number = int(mp.floor(s / mp.pi))
                 found += 0 if number == 0 else number - 1 + int((d > 0) == (number % 2 == 0))
-            N = mp.matrix(self.allowed.tolist())
-            R = (N.T * K * N).tolist()
-            for i, row in enumerate(R):  # elimination without pivoting: forty digits are enough
+                size *= d
+            for i, row in enumerate(R):  # elimination without pivoting: fifty digits are enough
                 found += int(row[i] < 0)
-                for other in R[i + 1 :]:
-                    if other[i]:
-                        factor = other[i] / row[i]
-                        for q in range(i + 1, len(R)):
-                            other[q] -= factor * row[q]
-            return found
+                size *= row[i]
+                for p in [p for p in row if p > i]:
+                    factor = row[p] / row[i]
+                    for q in [q for q in row if q > i]:
+                        R[p][q] = R[p].get(q, mp.mpf(0)) - factor * row[q]
+            return found, size
 
     def frequencies(self, count: int, zero: int) -> list[float]:
-        """The lowest `count` angular frequencies, rad/s, of which the first `zero` are those of rigid-body modes."""
+        """The lowest `count` angular frequencies, rad/s, of which the first `zero` are those of rigid-body modes, to
+        1e-12."""
         _, length, EI, m = max(self.members, key=lambda it: it[1])
         high = math.sqrt(EI / m) / length**2
         while self.count(high) < count:
@@ -179,13 +191,27 @@ class ExactBeams:
         return [0.0] * zero + [self._root(number, high) for number in range(zero + 1, count + 1)]
 
     def _root(self, number: int, high: float) -> float:
+        """The frequency with a number, from 1: bracketed by counts, then by the sign of the determinant."""
         low = high / 2
         while self.count(low) >= number:
             low, high = low / 2, low
-        while high - low > 1e-11 * high:
+        while high - low > 1e-4 * high:
             middle = (low + high) / 2
             low, high = (low, middle) if self.count(middle) >= number else (middle, high)
-        return (low + high) / 2
+        low, high, width = mp.mpf(low), mp.mpf(high), mp.mpf(high - low)
+        while (below := self._counted(low))[0] >= number:
+            low, width = low - width, 2 * width
+        while (above := self._counted(high))[0] < number:
+            high, width = high + width, 2 * width
+        while high - low > 1e-12 * high:
+            middle = (low + high) / 2
+            if (below[0], above[0]) == (number - 1, number):  # alone: a secant, and beside it the other side
+                secant = low - below[1] * (high - low) / (above[1] - below[1])
+                width = max(high * mp.mpf(2e-13), (high - low) / 100)
+                middle = secant + width if secant - low < high - secant else secant - width
+            now = self._counted(middle)
+            low, below, high, above = (low, below, middle, now) if now[0] >= number else (middle, now, high, above)
+        return float((low + high) / 2)
 
 
 def random_beams(rng: np.random.Generator, *, ratio: float = 30.0, soft: float = -3.0) -> Problem:

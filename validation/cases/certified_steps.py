@@ -120,7 +120,7 @@ def sums() -> Iterator[Criterion]:
     yield equal("terms: displacement, velocity, acceleration", found[:3], exact)
     yield equal("terms: bound on the third derivative", found[3:], np.abs(weight * term * root**3).sum(keepdims=True))
     out = np.empty((PLACES, 4))
-    at_positions(forced, omega, s, theta, drift, out)
+    at_positions(forced, np.zeros(PLACES, dtype=bool), omega, s, theta, drift, out)
     moved = drift @ np.array([[1, 0, 0], [s, 1, 0], [s**2, 2 * s, 2]])
     exact = np.stack([(forced * theta * (1j * omega) ** d).imag.sum(axis=1) for d in range(3)], axis=1) + moved
     yield equal("harmonics: displacement, velocity, acceleration", out[:, :3], exact)

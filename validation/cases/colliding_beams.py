@@ -22,9 +22,11 @@ from lapjoint.problem import BeamsStart, BeamStart, FloatArray, NamedBeam
 from validation.case import CaseResult, Level, Say, number, table
 from validation.cases.motions import refined_by
 from validation.cases.rigid_bar import RATIO, to_the_limit
+from validation.cases.transient import WITNESS_TOLERANCE
+from validation.invariants import witness
 from validation.references.panels import gauss_panels
 from validation.uncertainty import refined_estimate
-from validation.verdict import Check, Estimate, Kind
+from validation.verdict import Check, Criterion, Estimate, Kind
 
 MASSES = 1.0, 0.7  # Of the upper and the lower beam, kg; both are 1 m long
 MEET = 0.7, 0.4  # Where they meet, m from their left ends
@@ -125,6 +127,7 @@ def struck(solver: analytic.Solver | fe_lapjoint.Solver, EI: float) -> FloatArra
 def run(level: Level, say: Say) -> CaseResult:
     """Rigid beams against the closed form, and beams that bend against what they bring along."""
     closed, checks, rows = rigid(), [], []
+    criteria: list[Criterion] = []
     kinds = [name.rstrip(" 12") for name in closed]
     for solver in (analytic.Solver(n_modes=8), fe_lapjoint.Solver(elements=1)):
         say(f"{solver.name}, nearly rigid")
@@ -144,6 +147,7 @@ def run(level: Level, say: Say) -> CaseResult:
         say(name)
         runs = [solver.simulate(problem, DURATION, errors=False) for solver in levels]
         ends = [at_last(run) for run in runs]
+        criteria += witness(runs[-1], WITNESS_TOLERANCE, levels[-1].name)
         for i, field in enumerate(Conserved._fields):
             what = field.replace("_", " ")
             found = refined_estimate([end[i] for end in ends], ratio, ORDER[name], refined_by(levels[-1]), FLOOR)
@@ -157,5 +161,6 @@ def run(level: Level, say: Say) -> CaseResult:
         "bend, they strike each other several times, and momentum, angular momentum and energy stay what the first "
         "beam brought along.",
         checks=tuple(checks),
+        criteria=tuple(criteria),
         tables=(table("Collisions", ("quantity", "unit", "solver", "closed form", "computed"), rows),),
     )

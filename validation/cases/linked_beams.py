@@ -10,9 +10,14 @@ a cantilever of length L, with b = beta L and c, s, C, S for cos b, sin b, cosh 
 
     alpha = L^3 (s C - c S) / (EI b^3 (1 + c C)),    turning: L (s C + c S) / (EI b (1 + c C))
 
-and at the end of a free beam the first with c C - 1 for 1 + c C.  A weld of two equal cantilevers makes one beam of
-twice the length, clamped at both ends.  A closed stop between two beams is a spring.  All is divided by C, so that
-nothing overflows.  Nothing here comes from `analytic`.
+and at the end of a free beam the first with c C - 1 for 1 + c C.  In an L-shaped frame a second member of length l
+stands on the tip of a cantilever: it rides there as a mass mu, and turns with the tip.  With d, t, D, T for cos, sin,
+cosh, sinh of b l, the root of the second member and the tip of the first one turn under unit moments by
+
+    -(1 + d D) / (b (t D - d T)),    (s C + c S - mu b (1 - c C)) / (b (1 + c C - mu b (s C - c S)))
+
+A weld of two equal cantilevers makes one beam of twice the length, clamped at both ends.  A closed stop between two
+beams is a spring.  All is divided by C, so that nothing overflows.  Nothing here comes from `analytic`.
 """
 
 from __future__ import annotations
@@ -24,7 +29,7 @@ from dataclasses import dataclass
 import analytic
 import fe_lapjoint
 from lapjoint import FREE, ContactState, Problem, Stop, Support
-from lapjoint.problem import Link, NamedBeam
+from lapjoint.problem import Link, Mass, NamedBeam
 from lapjoint.solver import Solver
 from validation.case import CaseResult, Level, Say, table
 from validation.cases.masses_and_steps import EXACT, ROUNDING_OF_EIGENVALUES
@@ -37,6 +42,7 @@ FIXED = math.inf
 SPRING, SOFT, TURNING = 7.0, 1e-3, 2.0
 """Stiffness of links in units of the first beam: as stiff as the beams, nearly none, and torsional as stiff as they."""
 OTHER = 3.0, 0.4  # Bending stiffness and mass per length of the second beam; those of the first are 1
+_MEMBER = 0.5  # Length of the second member of a frame, and its mass, which rides on the first one's tip
 Fraction = Callable[[float], tuple[float, float]]
 """Numerator and denominator of a receptance, as a function of b of the first beam."""
 
@@ -91,6 +97,19 @@ def _linked(translational: float, torsional: float = 0.0, *, beams: tuple[NamedB
     return Problem(beams=beams, links=(link,))
 
 
+def _framed() -> Problem:
+    """An L-shaped frame: the second member stands on the tip of the first, and turns with it at its root."""
+    one, _ = _beams()
+    two = NamedBeam(
+        name="two",
+        length=_MEMBER,
+        bending_stiffness=1.0,
+        mass_per_length=1.0,
+        supports=(Support(x=0.0, translational=FIXED),),
+    )
+    return _linked(0.0, FIXED, beams=(one.model_copy(update={"masses": (Mass(x=1.0, mass=_MEMBER),)}), two))
+
+
 def _cantilever(b: float) -> float:
     return math.cos(b) + 1 / math.cosh(b)
 
@@ -99,6 +118,14 @@ def _against(b: float) -> float:
     """Equal cantilevers in opposite phase on the soft spring: each has a spring of twice its stiffness at its tip."""
     above, below = tip()(b)
     return below / SOFT + 2 * above
+
+
+def _frame(b: float) -> float:
+    """The tip of a cantilever, with the mass of the member that stands there, and the member's root turn alike."""
+    one, c, s, S = 1 / math.cosh(b), math.cos(b), math.sin(b), math.tanh(b)
+    d, t, D, T = (f(_MEMBER * b) for f in (math.cos, math.sin, math.cosh, math.tanh))
+    turned, held = s + c * S - _MEMBER * b * (one - c), c + one - _MEMBER * b * (s - c * S)
+    return turned * (t - d * T) - held * (d + 1 / D)
 
 
 def _double_clamped(b: float) -> float:
@@ -134,6 +161,7 @@ LINKED = {
     "equal cantilevers, weld": Linked(
         _linked(FIXED, FIXED, beams=_beams()), (_double_clamped,), "cos 2b cosh 2b = 1: one beam, clamped at both ends"
     ),
+    "L-shaped frame": Linked(_framed(), (_frame,), f"both turn alike at the corner; mu = l = {_MEMBER:g}"),
     "unlike cantilevers, closed stop": Linked(
         _TOUCHING,
         (joined(SPRING, tip(), tip(*OTHER)),),
@@ -185,8 +213,9 @@ def run(level: Level, say: Say) -> CaseResult:
         "linked-beams",
         "Linked beams",
         "Frequencies of two beams joined at their tips by a spring, a hinge, a torsional spring, a weld or a closed "
-        "stop, each compared with the roots of its characteristic equation, solved apart from both solvers. Equal "
-        "beams on a soft spring have pairs of nearly equal frequencies, of which none may be missed.",
+        "stop, and of an L-shaped frame, each compared with the roots of its characteristic equation, solved apart "
+        "from both solvers. Equal beams on a soft spring have pairs of nearly equal frequencies, all of which must be "
+        "found.",
         checks=tuple(checks),
         tables=(
             table("Frequencies, in units of the first beam", ("beams", "mode", "equation", "analytic", "FE"), rows),

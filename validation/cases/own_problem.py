@@ -71,20 +71,28 @@ def equilibrium(problem: Problem, level: Level, say: Say) -> CaseResult:
     """Where the joint rests under its static loads, while the base stands still."""
     say("static equilibrium")
     both = [solver.equilibrium(problem) for solver in (analytic.Solver(), fe_lapjoint.Solver())]
-    places = sorted({problem.line.length, *(stop.x for stop in problem.structure.stops)})
+    line, stops = problem.line, problem.structure.stops
+    places = sorted({*line.ends, *(x for stop in stops for x, _ in stop.reading)})
     numbers: list[tuple[str, str, list[tuple[float, float]]]] = []
     for k, name in enumerate(problem.stop_names):
         pushed = [(float(it.contact_forces[k]), float(it.errors.contact_forces[k])) for it in both]
         numbers.append((f"force of {name}", "N", pushed))
     for x in places:
         moved = [(float(it.displacement(np.array([x]))[0]), it.errors.displacement) for it in both]
-        numbers.append((f"displacement at {x:g} m", "m", moved))
+        numbers.append((f"displacement at {line.place(x)} m", "m", moved))
     for x in sorted(
         {support.x for support in problem.structure.supports}
     ):  # supports at one place share their force at will
         here = [i for i, support in enumerate(problem.structure.supports) if support.x == x]
         held = [(float(it.support_forces[here].sum()), float(it.errors.support_forces[here].sum())) for it in both]
-        numbers.append((f"force of the support at {x:g} m", "N", held))
+        numbers.append((f"force of the support at {line.place(x)} m", "N", held))
+    for i, link in enumerate(problem.structure.links):
+        where = f"{line.place(link.first)} to {line.place(link.second)}"
+        for name, unit in (("force", "N"), ("moment", "N m")):
+            joined = [
+                (float(getattr(it, f"link_{name}s")[i]), float(getattr(it.errors, f"link_{name}s")[i])) for it in both
+            ]
+            numbers.append((f"{name} of the link {where}", unit, joined))
     checks = []
     for name, unit, found in numbers:
         a, b = (Estimate(value, u, it.error_source) for (value, u), it in zip(found, both, strict=True))

@@ -9,6 +9,7 @@ import numpy as np
 
 from lapjoint import History, paper_joint
 from lapjoint.figures import plot_motion
+from lapjoint.figures.sampling import one_position
 from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Drawing, Level, Say, Table, table
 from validation.cases.motions import compare_contacts
@@ -60,13 +61,12 @@ def contact_table(checks: list[Check]) -> Table:
 def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
     """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic
     solver."""
-    stops = exact.problem.structure.stops
-    x = max(stop.x for stop in stops) if stops else exact.problem.line.length
+    x, place = one_position(exact.problem, None), exact.problem.line.place
     t = np.linspace(exact.start, min(exact.end, fe.end), 900)
 
     def paint(axes: Axes) -> None:
         plot_motion(exact, axes, x=x, label="analytic")
-        axes.plot(t, 1e3 * fe.displacement(x, t)[0], "--", color=COLOURS["fe"], label=f"FE, x = {x:g} m")
+        axes.plot(t, 1e3 * fe.displacement(x, t)[0], "--", color=COLOURS["fe"], label=f"FE, x = {place(x)} m")
         entitle(axes)
 
     return draw(title, paint)

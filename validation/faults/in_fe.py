@@ -104,18 +104,18 @@ FE = (
     Fault(
         "fe-record-lag",
         "a term dropped",
-        "fe_lapjoint:begin_interval",
+        "fe_lapjoint:ramp_form",
         "What damping makes of a force that grows is missed.",
-        old="(force - 2 * tables.damping_rate[i] * it.rate[i]) * soft",
-        new="force * soft",
+        old="free.rates[fast, None, None] ** np.arange(1, kinds + 1)",
+        new="(1j * free.rates[fast, None, None].imag) ** np.arange(1, kinds + 1)",
     ),
     Fault(
         "fe-record-turns",
         "a term dropped",
         "fe_lapjoint:begin_interval",
         "Where a force begins to grow, the free motion does not take its part.",
-        old="y[n + i] - it.rate[i]",
-        new="y[n + i]",
+        old="x[k] - _steady(tables, it.loads, k)",
+        new="x[k] - tables.gain[k, 0, 0] - tables.gain[k, 1, 0] * it.loads[1, 0]",
     ),
     Fault(
         "fe-gap",

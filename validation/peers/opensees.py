@@ -18,6 +18,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.steady_state import Outcome, SectionPoint, SteadyState, impulses_per_period, periodic_outcome
 from lapjoint.errors import InputError
 from lapjoint.problem import AtRest, FloatArray, ModalDamping, Problem
+from lapjoint.problem.problem import require_one_beam
 from lapjoint.solver import MODES, Progress
 from validation.peers.opensees_motion import along, history_of
 from validation.peers.opensees_script import mesh
@@ -155,7 +156,8 @@ class Solver:
 
 
 def check_beam(problem: Problem) -> None:
-    """Refuse a beam whose modes OpenSees is not asked for: with masses, or with steps."""
+    """Refuse what modes OpenSees is not asked for: of several beams, and of one with masses, or with steps."""
+    require_one_beam(problem, "the OpenSees solver works")
     if problem.structure.masses:
         raise InputError("masses: the OpenSees solver knows beams without masses only")
     if len({(piece.EI, piece.inertia) for piece in problem.line.pieces}) > 1:

@@ -8,7 +8,8 @@ import scipy.linalg
 from damped_stops import pinned_bar
 
 from analytic.march import Joint
-from analytic.march.coupled import oscillators
+from analytic.march.coupled import kept_by_force, oscillators
+from lapjoint import Stop
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
@@ -62,3 +63,14 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     (a, b) = it.roots[0]
     inner = scipy.linalg.expm(np.array([[0, 1], [-(a * b).real, (a + b).real]]) * t)
     assert np.abs(scipy.linalg.expm(A * t) - it.to @ inner @ it.back).max() < 1e-9 * omega[0]
+
+
+@pytest.mark.parametrize(
+    ("gap", "pulls", "expected"), [(2e-3, False, {0, 1}), (-2e-3, False, {0}), (2e-3, True, set())]
+)
+def test_only_gaps_that_cannot_switch_while_a_stop_presses_sleep(gap: float, pulls: bool, expected: set[int]) -> None:
+    pressing = Stop(x=1.0, side="top", gap=1e-3, stiffness=10.0, damping=1.0, may_pull=pulls)
+    others = (Stop(x=1.0, side="bottom", gap=gap, stiffness=10.0), Stop(x=1.0, side="top", gap=3e-3, stiffness=10.0))
+    joint = pinned_bar(1.0).replace(stops=(pressing, *others))
+    assert kept_by_force(joint, ContactState((0,))) == expected
+    assert kept_by_force(joint, ContactState((0,), (0,))) == set()

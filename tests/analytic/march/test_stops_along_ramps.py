@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,7 @@ from analytic.march import Joint, March, march
 from analytic.march.initial_state import started
 from analytic.solver import Solver
 from lapjoint.problem import FloatArray, Problem
-from tests.helpers.damped_stops import sampled_joint, witnessed
+from tests.helpers.damped_stops import loose_beam, sampled_joint, witnessed
 from tests.helpers.random_joints import damped_cantilever
 
 DURATION = 2.0  # s
@@ -52,39 +50,6 @@ def test_blocks_of_ramps_change_no_motion(seed: int, monkeypatch: pytest.MonkeyP
     assert found == switches
     assert again == pytest.approx(q, abs=1e-12 * np.abs(q).max())  # the rounding of some ten switches
     assert cut.penetration == pytest.approx(whole.penetration, abs=1e-12 * whole.penetration.max())
-
-
-def loose_beam(seed: int) -> Problem:
-    """A beam on nothing or on a pin, between damped stops, driven by a record and by a random force."""
-    rng, t = np.random.default_rng(seed), np.linspace(0.0, 3.0, 60)
-    stops = [
-        {
-            "x": x,
-            "side": side,
-            "gap": 0.01,
-            "stiffness": 100.0,
-            "damping": float(rng.uniform(1, 20)),
-            "fixed_to": str(rng.choice(["base", "space"])),
-        }
-        for x in (0.1, 0.9)
-        for side in ("top", "bottom")
-    ]
-    viscous = {"kind": "viscous", "coefficient": 0.4}
-    return Problem.model_validate(
-        {
-            "beam": {"length": 1.0, "bending_stiffness": 1.0, "mass_per_length": 1.0},
-            "supports": [] if seed % 2 else [{"x": 0.3, "translational": math.inf}],
-            "stops": stops,
-            "damping": {"kind": "modal", "ratio": 0.05} if rng.random() < 0.5 else viscous,
-            "base_motion": {
-                "kind": "record",
-                "quantity": "displacement",
-                "times": t,
-                "values": 0.05 * np.sin(5 * t),
-            },
-            "point_loads": [{"kind": "random", "x": 0.9, "psd": [[0.5, 0.02], [1.5, 0.02]], "seed": seed, "rate": 9.0}],
-        }
-    )
 
 
 def check_loose(seed: int, end: float) -> None:

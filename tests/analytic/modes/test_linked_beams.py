@@ -1,4 +1,4 @@
-"""Modes of several beams with links and stops between them: against a witness that counts in forty digits, and limits.
+"""Modes of several beams with links and stops between them: against a witness that counts in fifty digits, and limits.
 
 The witness, `linked_beams`, assembles members and counts by Wittrick and Williams; it shares nothing with the solver.
 """
@@ -15,12 +15,11 @@ from analytic.modes.beam_functions import gram, inertia_of
 from analytic.modes.characteristic_equation import layout_of
 from analytic.modes.coupled_beams import CoupledBeams
 from analytic.modes.normal_modes import exact_modes
-from lapjoint import FREE, ContactState, Problem, Stop, Support
+from lapjoint import FREE, ContactState, Mass, Problem, SolverError, Stop, Support
 from lapjoint.problem import FloatArray, Link, NamedBeam
 
 COUNT = 24
-NEAR = 1e-10  # of a frequency, or of sqrt(EI / m) / L^2 of the slowest beam if that is more
-CANTILEVER = 3.5160152685  # omega L^2 sqrt(m / EI) of the first mode
+NEAR = 1e-10  # of each frequency, however slow
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
 
 
@@ -30,35 +29,62 @@ def check_modes(problem: Problem, state: ContactState, rng: np.random.Generator)
     rigid = int(np.count_nonzero(modes.omega == 0))
     if not state.closed:
         assert rigid == problem.structure.free_motions
-    near = NEAR * np.maximum(modes.omega, problem.line.slowest_bending / CANTILEVER)
+    near = NEAR * modes.omega
     for k in {rigid, rigid + 1, int(rng.integers(rigid, COUNT)), int(rng.integers(rigid, COUNT)), COUNT - 1}:
         below = modes.omega[k] - near[k]
-        assert below <= 0 or witness.exact_count(below) <= k
+        assert witness.exact_count(below) <= k
         assert k < witness.exact_count(modes.omega[k] + near[k])
     inertia = inertia_of(problem.line, problem.structure.masses)
     assert gram(modes.shapes, modes.shapes, inertia) == pytest.approx(np.eye(COUNT), abs=1e-9)
 
 
 def check_system(number: int) -> None:
-    """A third of the systems have equal beams, and the others beams that differ by up to 1e3."""
-    rng = np.random.default_rng((490, number))
-    if number % 3 == 0:
+    """A quarter of the systems have equal beams, a quarter beams that differ by up to 1e3, and a quarter springs as
+    soft as a problem may have, with modes down to 1e-8 of the bending."""
+    rng, kind = np.random.default_rng((490, number)), number % 4
+    if kind == 0:
         problem = equal_beams(rng)
+    elif kind == 1:
+        problem = random_beams(rng, soft=-15.0, ratio=10.0)
     else:
-        problem = stiffer_links(rng, random_beams(rng, soft=-6.0, ratio=1e3 if number % 3 == 1 else 30.0))
+        problem = stiffer_links(rng, random_beams(rng, soft=-6.0, ratio=1e3 if kind == 2 else 30.0))
     check_modes(problem, random_state(rng, problem), rng)
 
 
-@pytest.mark.parametrize("number", range(6))
-def test_frequencies_agree_with_forty_digits_and_none_is_missed(number: int) -> None:
+@pytest.mark.parametrize("number", [*range(4), *(pytest.param(n, marks=pytest.mark.thorough) for n in range(4, 12))])
+def test_frequencies_agree_with_fifty_digits_and_none_is_missed(number: int) -> None:
     check_system(number)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("start", range(1000, 1300, 25))
-def test_frequencies_of_many_systems_agree_with_forty_digits(start: int) -> None:
-    for number in range(start, start + 25):
-        check_system(number)
+@pytest.mark.parametrize("start", range(1000, 2000, 50))
+def test_frequencies_of_1000_systems_agree_with_fifty_digits(start: int) -> None:
+    for number in range(start, start + 50):
+        try:
+            check_system(number)
+        except SolverError as error:  # of equal beams on the softest links; no frequency is wrong
+            assert number % 4 == 0
+            assert "cannot be told apart" in str(error)
+
+
+@pytest.mark.parametrize("k", [1e-8, 1e-15])
+@pytest.mark.parametrize("rungs", [2, pytest.param(6, marks=pytest.mark.thorough)])
+def test_soft_supports_keep_their_digits_under_many_links(k: float, rungs: int) -> None:
+    """The elastic part of the receptance of beams that bend together is hidden by their rigid motion there."""
+    a = plate("a", clamped=False)
+    a = a.model_copy(update={"supports": (Support(x=0.3, translational=k),)})
+    links = tuple(linked(x, math.inf) for x in np.linspace(0.0, 1.0, rungs).tolist())
+    problem = Problem(beams=(a, plate("b", 1.2, EI=10.0, m=2.0, clamped=False)), links=links)
+    check_modes(problem, FREE, np.random.default_rng(1))
+
+
+def test_modes_too_slow_beside_the_stiffest_beam_are_refused() -> None:
+    """1e-16 EI / L^3 and 10 m L are a frequency of 3e-9."""
+    a = plate("a", clamped=False)
+    heavy = {"supports": (Support(x=0.5, translational=1e-16),), "masses": (Mass(x=0.5, mass=10.0),)}
+    problem = Problem(beams=(a.model_copy(update=heavy), plate("b")))
+    with pytest.raises(SolverError, match=r"slower than 1e-8 .* of the stiffest beam"):
+        exact_modes(problem, FREE, 4)
 
 
 def plate(name: str, length: float = 1.0, *, EI: float = 1.0, m: float = 1.0, clamped: bool = True) -> NamedBeam:
@@ -103,6 +129,41 @@ def test_an_infinite_link_is_the_limit_of_stiff_ones(x: float) -> None:
     a, b = plate("a"), plate("b", EI=3.0, clamped=False)
     stiff, infinite = (omega(Problem(beams=(a, b), links=(linked(x, k, k),)), 12) for k in (1e13, math.inf))
     assert infinite == pytest.approx(stiff, rel=1e-7)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("place", [0.5, 1.0])
+def test_a_link_goes_from_none_to_an_infinite_one(place: float) -> None:
+    """Rayleigh: each frequency rises with the stiffness, by one place in the list at most, from limit to limit."""
+    beams = plate("a"), plate("b", 0.9, EI=3.0, clamped=False)
+    link = {"between": (f"a:{place}", f"b:{place * 0.9}")}
+    none, *softer = (
+        omega(Problem(beams=beams, links=(Link(translational=k, **link),)), 13)
+        for k in (0.0, *10.0 ** np.arange(-9, 17, 5))
+    )
+    infinite = omega(Problem(beams=beams, links=(Link(translational=math.inf, **link),)), 13)
+    every = np.array([none, *softer, infinite])
+    assert np.all(np.diff(every, axis=0) >= -1e-12 * every[1:])
+    assert np.all(every[-1][:-1] <= every[0][1:] * (1 + 1e-12))
+    assert softer[-1] == pytest.approx(infinite, rel=1e-11)
+
+
+@pytest.mark.thorough
+def test_two_equal_beams_joined_everywhere_are_one_of_twice_the_stiffness_and_mass() -> None:
+    """Welds at each tenth part hold the difference of the beams: below its frequencies are those of one beam alone."""
+    welds = tuple(linked(x, math.inf, math.inf) for x in np.linspace(0.0, 1.0, 11)[1:].tolist())
+    found = omega(Problem(beams=(plate("a"), plate("b")), links=welds), 8)
+    assert found == pytest.approx(omega(Problem(beams=(plate("a", EI=2.0, m=2.0),)), 8), rel=1e-12)
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e8])
+def test_a_very_stiff_second_beam_is_a_stop_at_rest(stiffness: float) -> None:
+    """It yields as its static compliance L^3 / 3 EI in series with the stop, so the difference falls as 1 / EI."""
+    a, b = plate("a"), plate("b", EI=stiffness)
+    between = Problem(beams=(a, b), stops=(Stop(between=("a:1.0", "b:1.0"), gap=1e-3, stiffness=40.0),))
+    fixed = Problem(beams=(a,), stops=(Stop(x="a:1.0", side="top", gap=1e-3, stiffness=40.0),))
+    found, at_rest = (omega(it, 3, ContactState((0,))) for it in (between, fixed))
+    assert found == pytest.approx(at_rest, rel=40 / (3 * stiffness))
 
 
 def test_equal_beams_on_a_soft_link_come_in_pairs() -> None:
@@ -153,3 +214,16 @@ def test_a_trial_value_that_is_a_frequency_of_a_beam_alone_is_counted() -> None:
     assert np.array_equal(coupled.count_below(z * (1 + 1e-11)), [3, 7, 11, 15])
     assert np.all(coupled.count_below(z) <= [3, 7, 11, 15])
     assert omega(problem, 6)[[1, 2]] == pytest.approx((2 * math.pi) ** 2, rel=1e-13)
+
+
+@pytest.mark.parametrize("EI", [1e4, 1e8])
+def test_equal_beams_that_hardly_bend_have_pairs_of_slow_modes(EI: float) -> None:
+    """Each moves on its springs as the rigid beam that it nearly is: m w^2 = 2 k, or m w^2 = 6 k where it turns."""
+    springs = tuple(Support(x=x, translational=1.0) for x in (0.0, 1.0))
+    parts = {"length": 1.0, "bending_stiffness": EI, "mass_per_length": 1.0, "supports": springs}
+    problem = Problem(beams=(NamedBeam(name="a", **parts), NamedBeam(name="b", **parts)))
+    modes = exact_modes(problem, FREE, 4)
+    near = 1 / EI + 1e-10 * problem.line.slowest_bending
+    assert modes.omega == pytest.approx(np.sqrt([2.0, 2.0, 6.0, 6.0]), abs=near)
+    inertia = inertia_of(problem.line, problem.structure.masses)
+    assert gram(modes.shapes, modes.shapes, inertia) == pytest.approx(np.eye(4), abs=1e-9)

@@ -12,7 +12,6 @@ from fe_lapjoint import Solver
 from fe_lapjoint.march.coupled import Coupled
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import FREE
-from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem, ViscousDamping
 from tests.fe_lapjoint.march.test_coupled import first_order
 
@@ -74,11 +73,3 @@ def test_library_methods_move_as_the_exact_flow(method: str) -> None:
     problem = problem.replace(stops=tuple(stop.model_copy(update={"damping": 0.0}) for stop in problem.stops))
     exact, other = (Solver(elements=2, method=name).simulate(problem, 0.2, errors=False) for name in ("exact", method))
     assert exact.displacement(1.0, 0.2).item() == pytest.approx(other.displacement(1.0, 0.2).item(), abs=1e-8)
-
-
-def test_what_coupling_drag_does_not_reach_is_refused() -> None:
-    problem = dragged_cantilever(np.random.default_rng(0))
-    record = {"kind": "record", "times": [0.0, 0.1, 0.2, 0.3], "values": [0.0, 1.0, -1.0, 0.0], "x": 1.0}
-    shaken = problem.model_dump() | {"base_motion": None, "point_loads": [record], "stops": []}
-    with pytest.raises(InputError, match=r'damping\.kind = "viscous": .*and not records or random motion'):
-        Solver(elements=2).simulate(Problem.model_validate(shaken), 0.3)

@@ -141,3 +141,17 @@ def test_the_exact_propagator_steps_over_knots() -> None:
     assert np.allclose(exact.y[:, -1], now, atol=1e-8 * np.abs(now).max())
     with pytest.raises(InputError, match="forward in time"):
         solve_ivp(system.rates, (0.05, 0.0), y, fe_lapjoint.ExactPropagator, system=system)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("ratio", [1.0, 1 - 1e-9, 1.001])
+def test_critically_damped_modes_keep_their_digits(ratio: float) -> None:
+    problem, t = shaken(2000.0, 0.05).replace(damping=ModalDamping(ratio=ratio)), np.linspace(0.0, 0.05, 400)
+    one, other = (
+        fe_lapjoint.Solver(elements=2, method=method, rtol=1e-11, atol=1e-15).simulate(problem, 0.05, errors=False)
+        for method in ("exact", "DOP853")
+    )
+    assert one.contacts
+    here, there = one.displacement(2.0, t), other.displacement(2.0, t)
+    # a critically damped mode changes by 1e-10 of itself, and five contacts magnify the change
+    assert np.abs(here - there).max() < 1e-8 * np.abs(here).max()

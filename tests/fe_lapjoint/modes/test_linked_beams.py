@@ -33,27 +33,27 @@ def frequencies(problem: Problem, state: ContactState = FREE, count: int = 8) ->
 
 
 def check_order_four(number: int, *, soft: float = -3.0, ratio: float = 30.0) -> None:
-    """On meshes of 10, 20 and 40 elements a beam errors fall to a sixteenth.  A frequency that changes by less than
-    1e-8 has converged: it is right to 1e-9 by the count in forty digits."""
+    """On meshes of 10, 20 and 40 elements a beam errors are above 0 and fall to a sixteenth, to rounding.
+
+    Curvatures, from which frequencies are computed, lose digits as the highest frequency of the mesh over a bending
+    frequency; motions that do not bend lose none.
+    """
     rng = np.random.default_rng((49, number))
     problem = random_beams(rng, soft=soft, ratio=ratio)
     state, nodes = random_state(rng, problem), mesh_nodes(problem, 10, None)
-    meshes = [tuple(refined_nodes(problem, nodes, times).tolist()) for times in (1, 2, 4)]
-    found = np.array([fe_lapjoint.Solver(nodes=it).modes(problem, state, COUNT).angular_frequencies for it in meshes])
-    rigid, witness = int(np.count_nonzero(found[0] == 0)), ExactBeams(problem, state)
-    assert rigid == problem.structure.free_motions or state.closed
-    assert np.array_equal(found == 0, np.broadcast_to(np.arange(COUNT) < rigid, found.shape))
+    meshes = [Assembly(problem, refined_nodes(problem, nodes, times)) for times in (1, 2, 4)]
+    every = [eigenmodes(mesh, state)[0] for mesh in meshes]
+    rigid, witness = int(np.count_nonzero(every[0] == 0)), ExactBeams(problem, state)
+    assert witness.exact_count(1e-6 * every[0][rigid]) == rigid
     exact = np.array(witness.frequencies(COUNT, rigid))[rigid:]
-    moving = np.abs(found[1] - found[2])[rigid:] > 1e-8 * exact
-    coarse, middle, fine = (found[:, rigid:] / exact - 1)[:, moving]
-    for before, after in ((coarse, middle), (middle, fine)):
-        assert np.all(after > 0)  # Rayleigh: a mesh stiffens
-        assert np.all(after <= before / 16 * 1.6 + 1e-9)
-    for k in np.flatnonzero(~moving) + rigid:
-        assert witness.exact_count(found[2, k] * (1 - 1e-9)) <= k < witness.exact_count(found[2, k] * (1 + 1e-9))
+    coarse, middle, fine = (omega[rigid:COUNT] / exact - 1 for omega in every)
+    floor = [np.finfo(float).eps * omega[-1] / np.maximum(exact, problem.line.slowest_bending) for omega in every]
+    for before, after, rounding in ((coarse, middle, floor[1]), (middle, fine, floor[2])):
+        assert np.all(after >= -rounding)  # Rayleigh: a mesh stiffens
+        assert np.all(after <= before / 16 * 1.6 + rounding)
 
 
-@pytest.mark.parametrize("number", range(5))
+@pytest.mark.parametrize("number", [*range(5), *(pytest.param(n, marks=pytest.mark.thorough) for n in range(5, 10))])
 def test_frequencies_converge_at_order_four(number: int) -> None:
     check_order_four(number)
 

@@ -71,3 +71,9 @@ def test_a_break_is_within_a_contact_or_between_two() -> None:
         [[0, 1], [0, 0], [0, 0]],
         [[0, 0], [0, 0], [0, 1]],
     ]
+
+
+def test_an_uncertain_break_leaves_the_energy_of_the_whole_motion_known() -> None:
+    found = with_contact_errors(dipping(0.01), TWICE, lambda: dipping(0.02)).dissipated_errors()
+    assert found is not None
+    assert np.isfinite(found).all()

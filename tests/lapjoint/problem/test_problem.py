@@ -371,3 +371,10 @@ def test_viscous_damping_that_couples_modes_has_a_limit_of_its_own() -> None:
         Problem.model_validate(laden)
     light = laden | {"damping": {"kind": "viscous", "coefficient": 2.0}}
     assert Problem.model_validate(light).structure.coupling_drag == 2.0
+
+
+def test_a_beam_copied_with_another_mass_has_the_pieces_of_the_copy() -> None:
+    beam = Beam(length=1.0, bending_stiffness=2.0, mass_per_length=3.0)
+    assert beam.pieces[0].mass == 3.0
+    heavy = beam.model_copy(update={"contents_per_length": 1.0, "length": 2.0})
+    assert (heavy.pieces[0].mass, heavy.pieces[0].end) == (4.0, 2.0)

@@ -10,7 +10,7 @@ import fe_lapjoint
 from lapjoint import History, paper_joint
 from lapjoint.problem.files import from_toml
 from validation.cases import balance
-from validation.invariants import momentum_applies, momentum_balance
+from validation.momentum import momentum_applies, momentum_balance
 from validation.verdict import Verdict
 
 
