@@ -1,4 +1,4 @@
-"""Faults in damped stops: their law, the states that they couple, their energies, and their branches."""
+"""Faults in damped stops: their law, the states that they couple, and their branches."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DAMPED = (
     Fault(
         "damped-delay",
         "a factor",
-        "analytic:places_of",
+        "analytic:_frame_of",
         "The force of a damped stop reads z + 0.99 (c / k) z'.",
         old="problem.structure.stops[k].damping / problem.structure.stops[k].stiffness",
         new="0.99 * problem.structure.stops[k].damping / problem.structure.stops[k].stiffness",
@@ -32,17 +32,9 @@ DAMPED = (
     Fault(
         "damped-delay-at-gaps",
         "a wrong place",
-        "analytic:places_of",
+        "analytic:_frame_of",
         "The gaps of damped stops see their forces.",
-        old="tau[:plain] = 0.0",
-        new="pass",
-    ),
-    Fault(
-        "damped-split-coordinates",
-        "a case forgotten",
-        "analytic:OscillatorState.__init__",
-        "Where a branch follows a coupled state, modes that do not oscillate have the roots of modes that do.",
-        old="self._roots[1, split] = tables.root[slot, n : n + split.size]",
+        old="tau[: stops.size - damped_rows(problem).size] = 0.0",
         new="pass",
     ),
     Fault(
@@ -52,14 +44,6 @@ DAMPED = (
         "Derivatives of arcs with damped stops miss how the rates jump at a switch.",
         old="here[:, end - 1] -= arc.it.rates(arc.waves, arc.y)",
         new="here[:, end - 1] -= W @ arcs[i - 1].rates",
-    ),
-    Fault(
-        "damped-lag-ignored",
-        "a term dropped",
-        "analytic:ModalField._uncoupled",
-        "Motions between switches miss what dampers make of the loads.",
-        old="V - self.joint.lags(it.lag, t, dt)",
-        new="V",
     ),
     Fault(
         "fe-damped-coupling",
@@ -110,22 +94,6 @@ DAMPED = (
         new="by_p + by_r",
     ),
     Fault(
-        "dissipation-sign",
-        "a sign",
-        "lapjoint:energies_lost",
-        "Stops give the energy that they take.",
-        old="float(course.prod(axis=0).sum())",
-        new="-float(course.prod(axis=0).sum())",
-    ),
-    Fault(
-        "dissipation-spring-alone",
-        "a term dropped",
-        "lapjoint:_courses",
-        "Energies lost are those that the spring takes.",
-        old="it.stiffness * (d - it.gap) + it.damping * rate",
-        new="it.stiffness * (d - it.gap)",
-    ),
-    Fault(
         "pressed-stays-released",
         "a wrong state",
         "lapjoint:ContactState.pressed",
@@ -134,43 +102,11 @@ DAMPED = (
         new="self",
     ),
     Fault(
-        "force-switch-opens",
-        "a wrong state",
-        "lapjoint:ContactState.toggled",
-        "A stop whose force ends opens.",
-        old="ContactState(self.closed, tuple(set(self.released) ^ {~stop}))",
-        new="ContactState(tuple(set(self.closed) ^ {~stop}))",
-    ),
-    Fault(
         "graze-order",
         "a wrong state",
         "lapjoint:with_new_release",
         "After a graze of a damped stop, its contact opens before its force ends.",
         old="(*stops[:i], stop, ~stop, stop, *stops[i:])",
         new="(*stops[:i], stop, stop, ~stop, *stops[i:])",
-    ),
-    Fault(
-        "vanishing-too-few",
-        "off by one",
-        "lapjoint:vanishing",
-        "Of a contact that vanishes, the touch stays.",
-        old="first = last - 2",
-        new="first = last - 1",
-    ),
-    Fault(
-        "force-begins-unheard",
-        "an event dropped",
-        "lapjoint:vanishing",
-        "A force does not begin again where the flight before it vanishes.",
-        old="(~sequence.stops[arc],)",
-        new="()",
-    ),
-    Fault(
-        "analytic-drag-left-out",
-        "a term dropped",
-        "analytic:coupled",
-        "Damping that couples modes does not act on what the modes leave out.",
-        old="turning[:, None] * drag_of(...).left_out",
-        new="0.0 * drag_of(...).left_out",
     ),
 )
