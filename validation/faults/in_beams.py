@@ -90,8 +90,8 @@ BEAMS = (
         "a term dropped",
         "lapjoint:_placed_stop",
         "The gap between two beams does not see the motion of the first one's base.",
-        old="shares[line.beam_at(second)] - shares[line.beam_at(first)]",
-        new="shares[line.beam_at(second)]",
+        old="share_at(second) - share_at(first)",
+        new="share_at(second)",
     ),
     Fault(
         "base-share-ignored",

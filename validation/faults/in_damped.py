@@ -24,7 +24,7 @@ DAMPED = (
     Fault(
         "damped-delay",
         "a factor",
-        "analytic:places_of",
+        "analytic:_frame_of",
         "The force of a damped stop reads z + 0.99 (c / k) z'.",
         old="problem.structure.stops[k].damping / problem.structure.stops[k].stiffness",
         new="0.99 * problem.structure.stops[k].damping / problem.structure.stops[k].stiffness",
@@ -32,9 +32,9 @@ DAMPED = (
     Fault(
         "damped-delay-at-gaps",
         "a wrong place",
-        "analytic:places_of",
+        "analytic:_frame_of",
         "The gaps of damped stops see their forces.",
-        old="tau[:plain] = 0.0",
+        old="tau[: stops.size - damped_rows(problem).size] = 0.0",
         new="pass",
     ),
     Fault(
