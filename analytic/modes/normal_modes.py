@@ -51,7 +51,7 @@ _TWIN = 1e-12  # relative distance of roots below which rounding makes them one 
 _NEIGHBOURS = 1e-5  # relative distance of roots of several beams below which a null vector is a singular vector
 _SHARED = 1e-12
 """Singular value, divided by the largest, of a null vector: a root itself is known to a hundredth of it.  A root below
-that of the slowest beam alone is known less well, by the square of their ratio."""
+that of the stiffest beam alone is known less well, by the square of their ratio."""
 _STILL = 1e-9  # displacement of the tip, as a fraction of the bar's, below which the bar turns about its tip
 _TAKES_PART = 1e-3  # least part of a beam in a mode, as a fraction of the largest, with which it decides the sign
 _BESIDE = 1e-12  # distance of a mass beyond a beam's end, as a fraction of the line, that is rounding
@@ -159,7 +159,7 @@ def coupled_shapes(coupled: CoupledBeams, z: FloatArray, L: float) -> BeamFuncti
         # A root whose matrix has several null vectors, to rounding, shares them with the roots after it.
         if first >= member:
             _, values, vectors = np.linalg.svd(matrix[first])
-            null = _SHARED * max(1.0, coupled.slowest / z[first]) ** 2 * values[0]
+            null = _SHARED * max(1.0, coupled.stiffest / z[first]) ** 2 * values[0]
             shared = max(1, int(np.count_nonzero(values < null)))
             member = min(first + shared, z.size)
             found[first:member] = vectors[-shared:][: member - first]
