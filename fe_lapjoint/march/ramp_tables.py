@@ -26,7 +26,8 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse
 
-from fe_lapjoint.march.coupled import Coupled, Exponentials
+from fe_lapjoint.march.coupled import Coupled
+from fe_lapjoint.march.exponentials import Exponentials
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.compiled.by_reference import by_reference, in_c_order
 from lapjoint.compiled.compiling import njit_called

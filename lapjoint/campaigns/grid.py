@@ -51,6 +51,8 @@ UNITS = {
     "amplitude": "m",
     "stiffness": "N m-1",
     "damping": "N s m-1",
+    "torsional_damping": "N m s rad-1",
+    "viscous_damping": "N s m-2",
     "translational": "N m-1",
     "torsional": "N m rad-1",
     "bending_stiffness": "N m2",

@@ -8,7 +8,8 @@ import scipy.linalg
 from damped_stops import model_of, pinned_bar
 from random_joints import damped_cantilever
 
-from fe_lapjoint.march.coupled import Coupled, exponentials, flow_from
+from fe_lapjoint.march.coupled import Coupled, flow_from
+from fe_lapjoint.march.exponentials import exponentials
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 
