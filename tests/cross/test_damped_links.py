@@ -86,7 +86,7 @@ def test_motions_under_a_record_are_those_of_splines() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("solver", [analytic.Solver(n_modes=24), fe_lapjoint.Solver(elements=8)])
+@pytest.mark.parametrize("solver", [analytic.Solver(n_modes=48), fe_lapjoint.Solver(elements=8)])  # 24 leave 2e-4
 def test_energy_and_momentum_are_accounted_for(solver: Any) -> None:
     problem = damped_pair(np.random.default_rng(3)).replace(damping=NoDamping())
     loose = problem.replace(beams=tuple(beam.model_copy(update={"supports": ()}) for beam in problem.beams))
@@ -94,7 +94,7 @@ def test_energy_and_momentum_are_accounted_for(solver: Any) -> None:
         motion = solver.simulate(one, 0.9, errors=False)
         found = witness(motion, 1e-4, "")
         assert [it.name for it in found if it.verdict is not Verdict.AGREE] == []
-        assert len(found) == 4 + (one is loose) + any(stop.damping > 0 for stop in one.stops)
+        assert len(found) == 4 + 4 * (one is loose) + any(stop.damping > 0 for stop in one.stops)
         weak = [link.model_copy(update={"damping": 1.01 * link.damping}) for link in one.links]
         wrong = History(**{name: getattr(motion, name) for name in motion.__dataclass_fields__} | {
             "problem": one.replace(links=tuple(weak))

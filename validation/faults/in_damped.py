@@ -88,7 +88,7 @@ DAMPED = (
     Fault(
         "damped-joined-sign",
         "a sign",
-        "analytic.march:_joined",
+        "analytic:_joined",
         "Where two arcs of a contact join, their shared switch counts with the wrong sign.",
         old="by_p - by_r",
         new="by_p + by_r",
