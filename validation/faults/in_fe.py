@@ -187,6 +187,6 @@ FE = (
         "fe_lapjoint:_jump",
         "The switches of the first stop leave deviations as they are, but for the change of modes.",
         old="-(row @ columns[:n])",
-        new="-(k > 0) * (row @ columns[:n])",
+        new="-(piece.switched > 0) * (row @ columns[:n])",
     ),
 )
