@@ -68,8 +68,7 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
     This is the integral of F d', less what the spring stores at a cut end, with what it stores at a cut start.
     `fastest` is as in `with_dissipation`, by default the rate of the fastest mode.
     """
-    given = [float(course.prod(axis=0).sum()) for course in _courses(history, stop, spans, fastest)]
-    return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
+    return _lost(history, stop, spans, _courses(history, stop, spans, fastest))
 
 
 def parts_of(history: History, contact: Contact, times: Sequence[float]) -> list[Contact]:
@@ -87,7 +86,7 @@ def parts_of(history: History, contact: Contact, times: Sequence[float]) -> list
     it, courses = history.problem.stops[contact.stop], _courses(history, contact.stop, spans)
     sign = history.problem.structure.stops[contact.stop].sign
     impulse = [sign * float((weights * force).sum()) for weights, force, _ in courses]
-    lost = energies_lost(history, contact.stop, spans) if it.damping > 0 else [0.0] * len(spans)
+    lost = _lost(history, contact.stop, spans, courses) if it.damping > 0 else [0.0] * len(spans)
     at_ends = np.abs(history.contact_force(np.array([contact.start, *times, contact.end]))[contact.stop])
     peak = [max(float(force.max()), *at_ends[i : i + 2]) for i, (_, force, _) in enumerate(courses)]
     longest = max(range(len(spans)), key=lambda i: spans[i].end - spans[i].start)
@@ -107,6 +106,12 @@ def parts_of(history: History, contact: Contact, times: Sequence[float]) -> list
         )
         for i, span in enumerate(spans)
     ]
+
+
+def _lost(history: History, stop: int, spans: Sequence[Span], courses: Sequence[FloatArray]) -> list[float]:
+    """The energy lost along each of the spans, J, from the `courses` along them."""
+    given = [float(course.prod(axis=0).sum()) for course in courses]
+    return [lost - kept for lost, kept in zip(given, _kept(history, stop, spans), strict=True)]
 
 
 def _courses(history: History, stop: int, spans: Sequence[Span], fastest: float | None = None) -> list[FloatArray]:
