@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -14,7 +13,7 @@ from lapjoint.answers import Equilibrium
 from lapjoint.problem.static_loads import UniformLoad
 from lapjoint.solver import Rests
 from tests.helpers.random_joints import resting_joint
-from tests.helpers.static_joints import DIGITS, Witness, by_quadratic_program
+from tests.helpers.static_beams import StaticBeams, in_fifty_digits
 
 SOLVER = Solver()
 CLAMP = Support(x=0.0, translational=math.inf, torsional=math.inf)
@@ -35,8 +34,8 @@ def stop(x: float, gap: float, side: str = "bottom") -> Stop:
 def check_witnessed(problem: Problem) -> None:
     """The conditions of equilibrium hold to fifty digits for the pressing stops, and forces and shape are those."""
     found = SOLVER.equilibrium(problem)
-    with mpmath.workdps(DIGITS):
-        witness = Witness(problem)
+    with in_fifty_digits():
+        witness = StaticBeams(problem)
         z = witness.displacements(found.state.closed)
         depths = witness.depths(z)
         for j, (it, depth) in enumerate(zip(problem.stops, depths, strict=True)):
@@ -178,7 +177,8 @@ def test_pressing_stops_of_500_random_joints_are_those_of_a_quadratic_program() 
         check_witnessed(problem)
         found = SOLVER.equilibrium(problem)
         check_balanced(found)
-        assert by_quadratic_program(problem) == found.state.closed
+        with in_fifty_digits():
+            assert StaticBeams(problem).by_quadratic_program() == found.state.closed
         pressing += len(found.state.closed)
     assert pressing > 250
 
@@ -205,9 +205,9 @@ def test_500_random_loose_joints_rest_or_have_a_motion_that_nothing_resists() ->
 
 def check_unresisted(problem: Problem) -> None:
     """Some rigid motion that supports allow and that leaves all stops gains work from the loads."""
-    witness = Witness(problem, float)
-    work = [sum(witness.f[::2]), sum(f * x for f, x in zip(witness.f[::2], witness.nodes, strict=True))]
-    work[1] += sum(witness.f[1::2])
+    witness = StaticBeams(problem)
+    forces, couples = (np.array([float(f) for f in witness.f])[i::2] for i in range(2))
+    work = float(forces.sum()), float(forces @ witness.nodes + couples.sum())
     size = problem.beam.length
     gains = []
     for angle in np.linspace(0, 2 * math.pi, 200_001):

@@ -7,28 +7,12 @@ import math
 import numpy as np
 import pytest
 
-import analytic
-import fe_lapjoint
-from lapjoint import Beam, Circle, InputError, Material, Problem, Stop, Support
+from lapjoint import Beam, Circle, Material, Problem, Stop, Support
 from lapjoint.answers import Equilibrium
 from lapjoint.problem.beam import BeamSegment
 from lapjoint.problem.static_loads import Gravity
-from lapjoint.solver import Rests
 from tests.helpers.random_joints import resting_joint
-
-SOLVERS: tuple[Rests, ...] = (analytic.Solver(), fe_lapjoint.Solver())
-
-
-def rested(problem: Problem) -> list[Equilibrium] | None:
-    """The equilibrium by each solver; None if both say that there is none."""
-    found = []
-    for solver in SOLVERS:
-        try:
-            found.append(solver.equilibrium(problem))
-        except InputError:
-            continue
-    assert len(found) in (0, 2)
-    return found or None
+from tests.helpers.rested import SOLVERS, rested
 
 
 def check_agree(one: Equilibrium, other: Equilibrium) -> None:

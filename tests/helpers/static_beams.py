@@ -1,7 +1,9 @@
-"""Equilibria of several beams under static loads from elements of fifty digits, which share no code with a solver.
+"""Equilibria of joints under static loads from elements of fifty digits, which share no code with a solver.
 
-The witness is the displacement method of `tests.helpers.static_joints`, with a mesh on each beam.  What infinite
-springs forbid is taken out by a basis of all displacements that they allow.
+The witness is the displacement method: on each beam, cubic elements between all places where anything acts, with
+consistent loads, give the exact displacements and slopes of these places.  What infinite springs forbid is taken out by
+a basis of all displacements that they allow.  A set of pressing stops is that of the equilibrium if the solution with
+these stops as springs presses each of them, and reaches no other: the energy is convex.
 """
 
 from __future__ import annotations
@@ -14,8 +16,8 @@ import numpy as np
 from scipy.optimize import nnls
 
 from lapjoint import Problem, StepLoad
+from lapjoint.problem import NamedBeam
 from tests.helpers.linked_beams import allowed_by
-from tests.helpers.static_joints import DIGITS
 
 Row = dict[int, int]
 """The factor of each degree of freedom in what a spring or a stop reads."""
@@ -27,17 +29,18 @@ class StaticBeams:
     def __init__(self, problem: Problem) -> None:
         line, at = problem.line, problem.line.at
         self.problem, self.nodes = problem, []
+        beams = problem.beams or (_named(problem),)
         steps = [load for load in problem.point_loads if isinstance(load, StepLoad)]
         self.stops = [(it.between[1], it.between[0]) if it.between else (it.x,) for it in problem.stops]
         shared = [text for it in (*problem.links, *problem.stops) for text in it.between or (it.x,)]
         places = {at(text) for text in (*shared, *(load.x for load in steps))}
         loads = []  # start, end, m, and force per length, N/m
         elements = []
-        for beam, start, end in zip(problem.beams, line.starts, line.ends, strict=True):
+        for beam, start, end in zip(beams, line.starts, line.ends, strict=True):
             g = mp.mpf(problem.gravity.acceleration) if problem.gravity else mp.mpf(0)
             pieces = [(start + p.start, start + p.end, p) for p in beam.pieces]
             loads += [(a, b, mp.mpf(beam.gravity_share * p.mass) * g) for a, b, p in pieces]
-            for load in (load for load in problem.uniform_loads if load.beam == beam.name):
+            for load in (load for load in problem.uniform_loads if load.beam in ("", beam.name)):
                 to = beam.length if load.to is None else load.to
                 loads.append((start + load.start, start + to, mp.mpf(load.force_per_length)))
             own = {start, end, *(start + it.x for it in (*beam.supports, *beam.masses))}
@@ -55,7 +58,7 @@ class StaticBeams:
             q = sum((force for left, right, force in loads if left <= a and b <= right), mp.mpf(0))
             self._add_element(2 * i, h, EI, q)
         springs: list[tuple[Row, float]] = []
-        for beam, start in zip(problem.beams, line.starts, strict=True):
+        for beam, start in zip(beams, line.starts, strict=True):
             for mass in beam.masses:
                 if problem.gravity:
                     weight = mp.mpf(beam.gravity_share * mass.mass) * mp.mpf(problem.gravity.acceleration)
@@ -150,6 +153,12 @@ class StaticBeams:
         return tuple(np.flatnonzero(forces).tolist())
 
 
+def _named(problem: Problem) -> NamedBeam:
+    """The only beam of a problem with its supports and masses, as one of several has them."""
+    own = {name: getattr(problem.beam, name) for name in type(problem.beam).model_fields}
+    return NamedBeam(**own, name="beam", supports=problem.supports, masses=problem.masses)
+
+
 def in_fifty_digits() -> object:
     """A context in which mpmath computes in fifty digits."""
-    return mp.workdps(DIGITS)
+    return mp.workdps(50)
