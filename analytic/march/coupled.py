@@ -53,10 +53,11 @@ then is below 1e-8 of the spring's, and answers to constant loads keep half of t
 _UNDAMPED = 1e-12
 """Damping of a motion that no spring holds, relative to the largest of such motions, below which it is rounding: the
 motion then drifts."""
-_NEARLY_DOUBLE = 3e6
-"""Condition number of the eigenvectors above which the damping is changed a little: results then keep nine digits."""
-_LITTLE = 1e-13
-"""Relative change of the damping near a double root: it parts the roots by its square root, 3e-7."""
+_LITTLE = float(np.finfo(float).eps) ** (2 / 3)
+"""Relative change of the damping near a double root, 4e-11: it parts the roots by its square root.  The condition
+number of the eigenvectors becomes the inverse of that, and rounding times this number as small as the change."""
+_NEARLY_DOUBLE = _LITTLE**-0.5
+"""Condition number of the eigenvectors above which the damping is changed a little."""
 SAMPLED = 1j
 """The time derivative of a sampled load, as that of a harmonic is i omega: of two numbers for a sampled load, the real
 part is that of the load, the imaginary part that of its rate."""
@@ -229,10 +230,10 @@ def free_oscillators(
     own = np.diag(2 * modal.damping_rate)
     for i in range(_TRIES):
         more = _LITTLE * 2**i if i else 0.0
-        roots, to, back = oscillators(own + coupling * (1 + more), K, scale)
+        roots, to, back = oscillators((own + coupling) * (1 + more), K, scale)
         if i == 0:
             best = roots, to, back
-        if _condition(to, scale) < _NEARLY_DOUBLE:
+        if _condition(roots, to, scale) < _NEARLY_DOUBLE:
             best = roots, to, back
             break
     return *best, own + coupling
@@ -381,12 +382,15 @@ def beside(problem: Problem, it: Coupled, left_out: FloatArray, turning: Complex
     return np.asarray(seen - reads[:, 1] @ it.lag.T)
 
 
-def _condition(to: FloatArray, scale: FloatArray) -> float:
-    """Condition number of T in coordinates of one size, without unit."""
+def _condition(roots: ComplexArray, to: FloatArray, scale: FloatArray) -> float:
+    """Condition number of the eigenvectors, without unit: that of T in coordinates of one size, times the most that the
+    two eigenvectors of an oscillator add to it, the larger root over half of the difference."""
     n = scale.size
     sized = to * np.concatenate([scale, np.ones(n)])[:, None]
     sized = sized / np.linalg.norm(sized, axis=0)
-    return float(np.linalg.cond(sized))
+    moving = roots[np.any(roots != 0, axis=1)]
+    apart = np.abs(moving[:, 0] - moving[:, 1]) / (2 * np.abs(moving).max(axis=1))
+    return float(np.linalg.cond(sized) / apart.min(initial=1.0))
 
 
 def write_coupled(

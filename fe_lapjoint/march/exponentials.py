@@ -23,11 +23,11 @@ from lapjoint.problem import FloatArray
 _STILL = 1e-12
 """Damping of a rigid-body motion, relative to the largest of such motions, below which it is rounding: the motion then
 has none."""
-_SKEW = 3e6
-"""Condition number of the eigenvectors from which on results keep fewer than nine digits: two of them nearly coincide.
-"""
-_APART = 1e-13
-"""Relative change of the stops' damping that parts two such eigenvalues, by its square root; doubled until it does."""
+_APART = float(np.finfo(float).eps) ** (2 / 3)
+"""Relative change of the coupling damping that parts two eigenvalues by its square root, 4e-11; doubled until it does.
+What is left of rounding, times the condition number of the eigenvectors, is then as small as the change."""
+_SKEW = _APART**-0.5
+"""Condition number of the eigenvectors from which on two of them nearly coincide."""
 _ATTEMPTS = 8
 _KEPT = 256  # states whose free motions are kept, each of half a megabyte with 40 elements
 

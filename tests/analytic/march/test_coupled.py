@@ -9,6 +9,7 @@ from damped_stops import pinned_bar
 
 from analytic.march import Joint
 from analytic.march.coupled import kept_by_force, oscillators
+from analytic.modes.beam_functions import ComplexArray
 from lapjoint import Stop
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
@@ -31,7 +32,14 @@ def matrices(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, FloatArr
 
 def flow_error(D: FloatArray, K: FloatArray, scale: FloatArray, t: float) -> float:
     """Largest error of the oscillators' flow over `t` seconds against scipy's expm of the first-order matrix."""
-    n, (roots, to, back) = scale.size, oscillators(D, K, scale)
+    return error_of_flow(oscillators(D, K, scale), D, K, scale, t)
+
+
+def error_of_flow(
+    found: tuple[ComplexArray, FloatArray, FloatArray], D: FloatArray, K: FloatArray, scale: FloatArray, t: float
+) -> float:
+    """The same of given roots, T and its inverse."""
+    n, (roots, to, back) = scale.size, found
     inner = np.zeros((2 * n, 2 * n))
     for i, (a, b) in enumerate(roots):
         pair = np.array([[0, 1], [-(a * b).real, (a + b).real]])
