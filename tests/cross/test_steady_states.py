@@ -203,10 +203,11 @@ def test_undamped_transients_never_settle_and_this_is_said(solver: AnySolver, om
     assert (steady.period_multiple, steady.multipliers.size) == (0, 0)
     assert steady.exponent is not None
     assert steady.exponent.periods >= 400
-    assert bool(steady.history.contacts) == (omega == 3000.0)
+    struck = bool(np.any(steady.impulses))  # means over all the periods: a single one may pass without a contact
+    assert struck == (omega == 3000.0)
     if steady.outcome is not Outcome.UNDECIDED:
         assert steady.outcome is Outcome.APERIODIC
         assert steady.exponent.positive
-    if not steady.history.contacts:
+    if not struck:
         assert steady.outcome is Outcome.UNDECIDED
         assert abs(steady.exponent.value) < 1.0  # 1/s: nearby motions stay near, to the rounding of the logarithms
