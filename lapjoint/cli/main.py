@@ -18,7 +18,7 @@ import warnings
 from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -32,6 +32,9 @@ from lapjoint.cli.look import export, show
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import plot, sweep
+
+if TYPE_CHECKING:
+    from lapjoint.problem.example import ExampleName
 
 ENTRY_POINT_GROUP = "lapjoint.commands"
 BAD_INPUT, NOT_WRITTEN, INTERRUPTED = 2, 3, 130
@@ -175,17 +178,25 @@ def schema() -> None:
 
 @main.command()
 @click.argument("file", type=FILE, default="-")
+@click.option(
+    "--preset",
+    type=click.Choice(["paper", "lap"]),
+    default="paper",
+    show_default=True,
+    help="paper: one beam; lap: two beams that strike each other.",
+)
 @click.option("--force", is_flag=True, help="Overwrite FILE if it is there.")
-def init(file: str, force: bool) -> None:
+def init(file: str, preset: ExampleName, force: bool) -> None:
     """Write a commented example of a problem to FILE, or to standard output."""
     from lapjoint.errors import InputError
     from lapjoint.files.writing import write_file
     from lapjoint.problem.example import commented_example
 
+    example = commented_example(preset)
     if file == "-":
-        echo(commented_example(), nl=False)
+        echo(example, nl=False)
         return
     if Path(file).exists() and not force:
         raise InputError(f"{file}: is there already; --force overwrites it")
-    write_file(file, commented_example())
+    write_file(file, example)
     echo(f"Wrote {file}")

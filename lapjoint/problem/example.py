@@ -1,14 +1,18 @@
-"""The example of a problem file that ``lapjoint init`` writes."""
+"""The examples of a problem file that ``lapjoint init`` writes: presets, with every key explained."""
 
 from __future__ import annotations
 
+from typing import Literal
 
-def commented_example() -> str:
-    """A TOML file with comments on units and what is allowed: the joint of Rahmani and Ervin (2014)."""
-    return _EXAMPLE
+ExampleName = Literal["paper", "lap"]
 
 
-_EXAMPLE = """\
+def commented_example(preset: ExampleName = "paper") -> str:
+    """The TOML file of a preset, with comments on units and what is allowed: one beam, or several of them."""
+    return {"paper": _ONE_BEAM, "lap": _SEVERAL_BEAMS}[preset]
+
+
+_ONE_BEAM = """\
 # A problem for `lapjoint`.  SI units: m, kg, s, N, rad; angular frequencies in rad/s.
 # x runs from the root (0) to the tip (length); z is the displacement relative to the base, positive upwards.
 # `lapjoint schema` prints every key that is allowed.
@@ -133,4 +137,92 @@ phase = 0.0                   # rad
 kind = "rest"                 # "rest", "equilibrium" (at rest under the static loads), "polynomial" (displacement
                               # and velocity: coefficients of 1, x, x^2 ...) or "sampled" (x, displacement, velocity:
                               # lists of equal length)
+"""
+
+
+_SEVERAL_BEAMS = """\
+# A problem of several beams for `lapjoint`.  SI units: m, kg, s, N, rad; angular frequencies in rad/s.
+# `lapjoint init` without --preset explains the keys of one beam; all of them, loads among them, may stand here, too.
+# A place is written beam:x, where x runs from the left end of that beam (0) to its right end (length), in m.
+schema_version = 1            # of the keys in this file; may be left out
+title = "Lap joint of two plates with a loose bolt"
+
+[[beams]]                     # any number; all run towards +x
+name = "upper"                # by which places are given
+origin = 0.0                  # m, where its left end lies; for drawings
+offset = 0.01                 # m, how far it is drawn above z = 0; changes no answer
+length = 0.3                  # m, > 0
+# base_share = 1.0            # how much of the base's motion acts along its z: -1 mirrored, 0 none; 1 by default
+# gravity_share = 1.0         # how much of gravity acts along its z; 1 by default
+# viscous_damping = 2.0       # N s/m2, >= 0, along this beam alone; adds to [damping]
+
+[beams.material]              # as of one beam: or bending_stiffness and mass_per_length, or segments
+youngs_modulus = 2.05e11      # Pa, > 0
+density = 7850.0              # kg/m3, > 0
+
+[beams.section]
+shape = "rectangle"
+breadth = 0.04                # m, across the motion
+height = 0.004                # m, along the motion
+
+[[beams.supports]]            # springs between this beam and the base; [[beams.masses]] are written alike
+x = 0.0                       # m, from the left end of this beam
+translational = inf           # N/m, 0 to inf; inf fixes the displacement
+torsional = inf               # N m/rad, 0 to inf; inf fixes the slope
+
+[[beams]]
+name = "lower"
+origin = 0.24
+length = 0.3
+
+[beams.material]
+youngs_modulus = 2.05e11
+density = 7850.0
+
+[beams.section]
+shape = "rectangle"
+breadth = 0.04
+height = 0.006
+
+[[beams.supports]]
+x = 0.3
+translational = inf
+torsional = inf
+
+[[stops]]                     # between two beams: closed where the second comes nearer to the first than the gap
+name = "left edge"
+between = ["upper:0.24", "lower:0"]  # the upper one first; or x = "upper:0.3" and side, as of one beam
+gap = 1e-4                    # m; below 0 an interference
+stiffness = 2e6               # N/m, > 0; also damping and may_pull
+
+[[stops]]
+name = "right edge"
+between = ["upper:0.3", "lower:0.06"]
+gap = 1e-4
+stiffness = 2e6
+
+[[stops]]                     # the bolt closes where the plates come apart
+name = "bolt"
+between = ["lower:0.03", "upper:0.27"]
+gap = 2e-4
+stiffness = 2e7
+
+# [[links]]                   # springs and dampers between two beams that always act: a tight bolt, a weld, a hinge
+# name = "rivet"              # for figures and for --set links.rivet.translational=1e6
+# between = ["upper:0.29", "lower:0.05"]
+# translational = 1e7         # N/m, 0 to inf; inf joins the displacements
+# torsional = 1e3             # N m/rad, 0 to inf; inf joins the slopes
+# damping = 20.0              # N s/m, >= 0, beside the translational spring
+# torsional_damping = 0.1     # N m s/rad, >= 0, beside the torsional spring
+
+[damping]
+kind = "modal"                # "modal" (ratio), "viscous" (coefficient, N s/m2) or "none"
+ratio = 0.05                  # of every mode of the system in the current contact state
+
+[base_motion]                 # y(t) = amplitude sin(angular_frequency t); moves all supports
+amplitude = 5e-4              # m, >= 0
+angular_frequency = 300.0     # rad/s, > 0
+
+[initial]
+kind = "rest"                 # or "equilibrium": at rest under the static loads
 """

@@ -33,6 +33,7 @@ def test_init_writes_the_example_and_overwrites_only_when_told() -> None:
     assert path.read_text() == "mine"
     run_well("init", path, "--force")
     assert path.read_text() == commented_example()
+    assert run_well("init", "--preset", "lap") == commented_example("lap")
 
 
 def test_modes_prints_every_state_and_writes_all_digits() -> None:

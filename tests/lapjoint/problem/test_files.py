@@ -36,9 +36,20 @@ from lapjoint import (
     sdnl104,
 )
 from lapjoint.errors import OutputError
-from lapjoint.problem import AtEquilibrium, AtRest, BaseHarmonic, Gravity, LoadHarmonic, Mass, UniformLoad
+from lapjoint.problem import (
+    AtEquilibrium,
+    AtRest,
+    BaseHarmonic,
+    Gravity,
+    Link,
+    LoadHarmonic,
+    Mass,
+    NamedBeam,
+    UniformLoad,
+)
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import from_toml, json_schema, problem_tables, read_problem, to_toml, write_problem
+from lapjoint.problem.presets import lap_joint
 
 positive = st.floats(min_value=1e-3, max_value=1e12, allow_nan=False)
 finite = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e50, max_value=1e50)
@@ -154,6 +165,25 @@ def test_the_example_is_the_papers_joint() -> None:
         # The example writes the stiffness 1200 * 3 EI / L^3 as a decimal number; the preset computes it.
         assert mine.stiffness == pytest.approx(theirs.stiffness, rel=1e-14)
     assert example.replace(stops=joint.stops) == joint
+
+
+def test_the_example_of_several_beams_is_the_preset_and_explains_each_of_their_keys() -> None:
+    text = commented_example("lap")
+    assert from_toml(text) == lap_joint()
+    link = text[text.index("# [[links]]") : text.index("\n[damping]")].replace("\n# ", "\n").removeprefix("# ")
+    (rivet,) = from_toml(text + link).links
+    assert rivet == Link(
+        name="rivet",
+        between=("upper:0.29", "lower:0.05"),
+        translational=1e7,
+        torsional=1e3,
+        damping=20.0,
+        torsional_damping=0.1,
+    )
+    of_one_beam = commented_example()
+    for part in (NamedBeam, Link, Stop):
+        for key in part.model_fields:
+            assert key in text or key in of_one_beam, f"no example of {key} of {part.__name__}"
 
 
 def test_parts_that_the_example_leaves_out_need_only_their_marks_removed() -> None:
