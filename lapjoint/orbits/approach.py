@@ -11,8 +11,10 @@ exactly these switches if, for all k >= 0,
 
 where h is the stop's gap function, r = |h'| at a switch, D maps a deviation to the change of the displacement at the
 stop, and the rows X and X' map it to the changes of h and h' at the switch (`lapjoint.orbits.watch`).  Within three
-shifts |X e_k| / r of a stop's own switch the first condition does not apply.  Without switches the map is linear, and c
-= `LINEAR`; with switches c = `CURVED` leaves room for the nonlinear part of the map.
+shifts |X e_k| / r of a stop's own switch the first condition does not apply.  The force of a damped stop has a gap
+function of its own, k d + c d' over k.  It begins where the stop's gap closes, and cannot act beyond where the gap
+opens, however the deviation shifts these times; both therefore count as switches of the force, too.  Without switches
+the map is linear, and c = `LINEAR`; with switches c = `CURVED` leaves room for the nonlinear part of the map.
 
 The first e_k are tested one by one.  For late k only the slow eigenvectors V of M matter, and
 

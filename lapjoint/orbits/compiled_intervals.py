@@ -67,6 +67,9 @@ class Stops(NamedTuple):
     beyond: IndexArray
     """The stop whose switches in this period are those of each stop in the next period, shape ``(P,)``: the stop itself
     or, if the orbit continues mirrored, its twin."""
+    begins: IndexArray
+    """The row with whose closing each row begins, and with whose opening it ends, shape ``(P,)``: of the force of a
+    damped stop the stop's gap, of a gap the gap itself."""
 
 
 @njit_called()
@@ -103,27 +106,27 @@ def _derivatives(motion: Motion, s: int, u: int, tau: float) -> tuple[float, flo
 
 @njit_called()
 def unrolled(
-    times: FloatArray, stops: IndexArray, stop: int, beyond: int, length: float
+    times: FloatArray, stops: IndexArray, rows: tuple[int, int], beyond: tuple[int, int], length: float
 ) -> tuple[FloatArray, IndexArray]:
-    """Times and indices of one stop's switches in the previous, the present and the next period, (k,) each.
+    """Times and indices of the switches of two rows in the previous, the present and the next period, (k,) each.
 
-    `times`, s from the start of the orbit, ascend, and `stops` are the stops that switch, shape (J,) each.  `beyond` is
-    the entry of `Stops.beyond` for `stop`; `length` is the length of the orbit, s.  The index of a switch in another
-    period is the index of the switch that it repeats.
+    `times`, s from the start of the orbit, ascend, and `stops` are the rows that switch, shape (J,) each.  `rows` may
+    be one row twice; `beyond` are their entries of `Stops.beyond`; `length` is the length of the orbit, s.  The index
+    of a switch in another period is the index of the switch that it repeats.
     """
     own, others = 0, 0
     for j in range(stops.size):
-        own += stops[j] == stop
-        others += stops[j] == beyond
+        own += stops[j] in rows
+        others += stops[j] in beyond
     when, index = zeros(own + 2 * others), int_zeros(own + 2 * others)
     before, now, after = 0, others, others + own
     for j in range(stops.size):
-        if stops[j] == beyond:
+        if stops[j] in beyond:
             when[before], index[before] = times[j] - length, j
             when[after], index[after] = times[j] + length, j
             before += 1
             after += 1
-        if stops[j] == stop:
+        if stops[j] in rows:
             when[now], index[now] = times[j], j
             now += 1
     return when, index
@@ -137,7 +140,7 @@ def spacings(times: FloatArray, stops: IndexArray, beyond: IndexArray, length: f
     """
     result = zeros(times.size)
     for stop in range(beyond.size):
-        when, index = unrolled(times, stops, stop, beyond[stop], length)
+        when, index = unrolled(times, stops, (stop, stop), (beyond[stop], beyond[stop]), length)
         own = 0
         for j in range(stops.size):
             own += stops[j] == stop
@@ -288,21 +291,23 @@ def _divided(segment: IndexArray, tau: FloatArray, parts: IndexArray, more: int)
 
 @njit_called()
 def among_switches(
-    start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, beyond: IndexArray, length: float
+    start: FloatArray, end: FloatArray, times: FloatArray, which: IndexArray, stops: Stops, length: float
 ) -> tuple[IndexArray, FloatArray, IndexArray, FloatArray]:
-    """Index of a stop's last switch before each interval (-1 without), time since it, s (inf without); then of the
+    """Index of a row's last switch before each interval (-1 without), time since it, s (inf without); then of the
     next; (P, I).
 
     `start` and `end`, (I,), of the intervals ascend, s from the start of the orbit.  `times` and `which`, (J,), are the
-    times of all switches, s, and their stops; `beyond`, (P,), is `Stops.beyond`; `length` is the length of the orbit,
-    s.
+    times of all switches, s, and their rows; `length` is the length of the orbit, s.  The switches with which a row
+    begins and ends count as its own, see `Stops.begins`.
     """
+    begins, beyond = stops.begins, stops.beyond
     shape = (beyond.size, start.size)
     before, after = int_zeros(shape), int_zeros(shape)
     since, until = zeros(shape), zeros(shape)
     tiny = 1e-12 * length  # an end of an interval that is a switch has the time of the switch up to rounding
     for stop in range(beyond.size):
-        when, index = unrolled(times, which, stop, beyond[stop], length)
+        rows = stop, begins[stop]
+        when, index = unrolled(times, which, rows, (beyond[rows[0]], beyond[rows[1]]), length)
         at = 0
         for i in range(start.size):
             while at < when.size and when[at] < 0.5 * (start[i] + end[i]):

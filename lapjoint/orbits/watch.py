@@ -67,7 +67,8 @@ class Intervals:
     distance: FloatArray
     """Least distance of the stop from its gap, m, shape ``(m,)``."""
     before: IndexArray
-    """The last switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none."""
+    """The last switch of the same stop, as an index into `Switches`, shape ``(m,)``; -1 if there is none.  The force of
+    a damped stop switches with the stop's gap, too; see `compiled_intervals.Stops.begins`."""
     since: FloatArray
     """Time from the last switch to the start of the interval, s, shape ``(m,)``; inf if there is none."""
     after: IndexArray
@@ -112,6 +113,7 @@ def stops_of(stops: Sequence[PlacedStop], twins: Sequence[int] | None = None) ->
         gap=np.array([stop.gap for stop in stops], dtype=float),
         place=np.array([places.index(stop.place) for stop in stops], dtype=np.intp),
         beyond=np.arange(len(stops)) if twins is None else np.array(twins, dtype=np.intp),
+        begins=np.arange(len(stops)),
     )
 
 
@@ -129,6 +131,7 @@ def rows_of(stops: Sequence[PlacedStop], twins: Sequence[int] | None = None) -> 
         gap=np.concatenate([own.gap, own.gap[damped]]),
         place=np.concatenate([own.place, places + np.arange(damped.size)]),
         beyond=np.concatenate([own.beyond, own.beyond.size + np.searchsorted(damped, own.beyond[damped])]),
+        begins=np.concatenate([own.begins, damped]),
     )
 
 
@@ -197,7 +200,7 @@ class SegmentWatch:
         inside = self.segment[:-1] == self.segment[1:]
         time = motion.start[self.segment] + self.tau
         start, end, switches = time[:-1][inside], time[1:][inside], self.switches
-        before, since, after, until = among_switches(start, end, switches.time, switches.stop, stops.beyond, length)
+        before, since, after, until = among_switches(start, end, switches.time, switches.stop, stops, length)
         self._intervals_in_time = start.size
         return Intervals(
             stop=np.repeat(np.arange(stops.sign.size), start.size),

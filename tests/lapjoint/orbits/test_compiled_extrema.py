@@ -74,7 +74,7 @@ def test_extrema_are_where_a_rate_changes_sign_on_a_fine_grid_within_parts_and_b
     rng, smooth, corners = np.random.default_rng(46), 0, 0
     for _ in range(80):
         motion = joined([drawn(rng) for _ in range(rng.integers(1, 6))])
-        stops = Stops(rng.choice([-1.0, 1.0], 2), rng.uniform(0.0, 1.0, 2), np.arange(2), np.arange(2))
+        stops = Stops(rng.choice([-1.0, 1.0], 2), rng.uniform(0.0, 1.0, 2), *[np.arange(2)] * 3)
         stop, time, value, highest = gap_extrema(motion, stops)
         for k in range(2):
             grid, (displacement, rate) = on_a_grid(motion, k)

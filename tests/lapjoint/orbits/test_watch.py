@@ -263,6 +263,27 @@ def test_intervals_know_the_switches_of_their_own_stop_around_them() -> None:
     assert width[: width.size // 2].sum() == pytest.approx(map_.period, rel=1e-9)
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_force_begins_and_ends_with_its_gap(solver: str) -> None:
+    """Beside the touch the distance of a force from 0 is c d' / k: in the limit there is no room for any deviation."""
+    plain = paper_joint(angular_frequency=2950.0)
+    damped = plain.replace(stops=tuple(stop.model_copy(update={"damping": 1e-3}) for stop in plain.stops))
+    periods = []
+    for problem in (plain, damped):
+        accepted = SOLVERS[solver].steady_state(problem, sensitivity=False).acceptance
+        assert accepted is not None
+        periods.append(accepted.periods)
+    assert periods[0] == periods[1]
+    map_ = SOLVERS[solver].period_map(damped)
+    watch = HalfPeriods(map_).linearised(settled(map_), 2).watch
+    stops, rows = len(plain.stops), watch.switches.stop
+    force = watch.intervals.stop >= stops
+    own = watch.intervals.stop[force]
+    for beside in (watch.intervals.before[force], watch.intervals.after[force]):
+        assert np.all((rows[beside] == own) | (rows[beside] == own - stops))
+    assert np.any(rows[watch.intervals.before[force]] == own - stops)
+
+
 def test_an_orbit_without_stops_is_watched_too() -> None:
     free = paper_joint().replace(stops=())
     for solver in SOLVERS.values():
