@@ -11,10 +11,10 @@ import pytest
 from click.testing import CliRunner
 from pages import assert_session, blocks
 
-from lapjoint import AtEquilibrium
+from lapjoint import AtEquilibrium, paper_joint
 from lapjoint.cli.main import main
 from lapjoint.errors import InputError
-from lapjoint.problem.files import from_toml
+from lapjoint.problem.files import from_toml, problem_from_tables, problem_tables
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
@@ -64,6 +64,29 @@ def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: 
     assert wall.stops[-1].in_space
     assert weighed.uniform_loads[0].start == 0.5
     assert pressed.initial == AtEquilibrium()
+
+
+def test_the_keys_of_the_page_on_records_read_the_files_beside_them(tmp_path: Path) -> None:
+    page = (DOCS / "records.md").read_text(encoding="utf-8")
+    message, *files = blocks("text", page)
+    *keys, universal = blocks("toml", page)
+    assert "dataset = 2" in universal
+    for content, part in zip(files, keys, strict=True):
+        tables = {**problem_tables(paper_joint()), **tomllib.loads(part)}
+        record = tables["base_motion"] if "[base_motion]" in part else tables["point_loads"][0]
+        (tmp_path / record["file"]).write_text(content, encoding="utf-8")
+        found = problem_from_tables(tables, folder=tmp_path)
+        (read,) = found.records.values()
+        assert read.values is not None
+        assert read.values.array.tolist() == [0.5149, -0.512, 0.2044]
+        record |= {"skip": 0, "decimal": "."}
+        if "skip" in part:
+            with pytest.raises(InputError, match=r'skip = \d+ and decimal = "," would read it'):
+                problem_from_tables(tables, folder=tmp_path)
+    (tmp_path / "table.csv").write_text("a\n" * 6 + "0,0012;3,4\n0,0013;3,5\n", encoding="utf-8")
+    of = {"kind": "record", "quantity": "acceleration", "file": "table.csv", "rate": 10.0}
+    with pytest.raises(InputError, match=re.escape(message.strip())):
+        problem_from_tables({**problem_tables(paper_joint()), "base_motion": of}, folder=tmp_path)
 
 
 def _with_part(whole: str, part: str) -> str:

@@ -107,7 +107,8 @@ phase = 0.0                   # rad
 # column = "a_z"              # name, or number from 1; by default the first that is not the time
 # time_column = "t"           # or rate = 5000.0, samples a second
 # unit = "g"                  # "m/s2" by default; also time_unit, remove = "offset" or "drift"
-# decimal = ","               # "." by default; also skip, delimiter, encoding, holes = "bridge"
+# decimal = ","               # "." by default; also skip, delimiter, encoding, comment, holes = "bridge",
+                              # and dataset, of a UFF file
 
 # [base_motion]               # a stationary Gaussian acceleration
 # kind = "random"

@@ -153,6 +153,8 @@ def _requirement(fault: ErrorDetails) -> str:
         return f"must be at least {ctx['ge']:g}"
     if kind == "less_than_equal":
         return f"must be at most {ctx['le']:g}"
+    if kind == "string_too_short":
+        return f"must have at least {ctx['min_length']} character{'s' * (ctx['min_length'] > 1)}"
     if kind == "too_short":
         return f"must have at least {ctx['min_length']} value{'s' * (ctx['min_length'] > 1)}"
     if kind == "literal_error":

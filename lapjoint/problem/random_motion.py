@@ -20,7 +20,8 @@ from lapjoint.problem.density import Density
 from lapjoint.problem.messages import shown
 from lapjoint.problem.places import Place
 from lapjoint.problem.realisation import MOST_TAPS, Realisation, edge
-from lapjoint.problem.records import LARGEST, UNITS
+from lapjoint.problem.record_units import UNITS
+from lapjoint.problem.records import LARGEST
 from lapjoint.problem.schema import FloatArray, Part, Positive, Whole
 
 SAMPLES_A_PERIOD = 8.0

@@ -16,22 +16,14 @@ from pydantic import Field, ValidationInfo, model_validator
 from lapjoint.errors import RecordWarning
 from lapjoint.problem.messages import shown
 from lapjoint.problem.places import Place
-from lapjoint.problem.record_files import read_columns
+from lapjoint.problem.record_advice import advice
+from lapjoint.problem.record_files import Columns, UnreadableError, read_columns
+from lapjoint.problem.record_uff import is_uff, read_function
+from lapjoint.problem.record_units import TIME_UNITS, UNITS, check_stated
 from lapjoint.problem.recorded_motion import RecordedMotion, motion_through
 from lapjoint.problem.samples import Samples, Source
 from lapjoint.problem.schema import FloatArray, IntArray, Part, Positive, Whole
 
-G = 9.80665  # m/s2, the standard acceleration of free fall (CGPM 1901)
-INCH, POUND = 0.0254, 0.45359237  # m and kg, the international inch and pound (1959)
-UNITS: dict[str, dict[str, float]] = {
-    "acceleration": {"m/s2": 1.0, "mm/s2": 1e-3, "cm/s2": 1e-2, "g": G, "mg": 1e-3 * G, "in/s2": INCH},
-    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": INCH},
-    "displacement": {"m": 1.0, "mm": 1e-3, "um": 1e-6, "in": INCH},
-    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": POUND * G},
-}
-"""SI units in each allowed unit; the first is the default."""
-TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0}
-"""Seconds in each allowed unit of time."""
 ORDER = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """Order of the time derivative of the displacement that a quantity is."""
 LARGEST = {"acceleration": 2e6, "velocity": 5e3, "displacement": 5e2, "force": 1e9}
@@ -49,7 +41,9 @@ class Reading(Part):
     """Where the samples of a record are read, and how."""
 
     file: str | None = None
-    """CSV file, relative to the folder of the problem file; or else values."""
+    """CSV or UFF file, relative to the folder of the problem file; or else values."""
+    dataset: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
+    """Data set 58 of a UFF file, by its number among these from 1 or its name; only one needs no key."""
     column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
     """Column of the values by its number from 1 or its name; the first that is not the time by default."""
     time_column: Annotated[Whole | str | None, Field(union_mode="left_to_right")] = None
@@ -62,6 +56,8 @@ class Reading(Part):
     """What begins the fraction of a number of the file: a point or a comma."""
     encoding: str = "utf-8"
     """Encoding of the file, e.g. cp1252 or utf-16; a byte order mark may be there."""
+    comment: Annotated[str, Field(min_length=1)] = "#"
+    """Text at the beginning of lines to leave out."""
 
 
 class Record(Reading):
@@ -111,7 +107,7 @@ class Record(Reading):
         fields = {name: getattr(how, name) for name in Reading.model_fields}
         source = Source((info.context or {}).get("folder", ".") if own is None else own.folder, **fields)
         if own != source or not isinstance(values, Samples):
-            values, times, _ = read_columns(source)
+            values, times, _ = _read(source)
         found, stated = _digest(values, times), data.get("sha256") if own in (None, source) else None
         if stated not in (None, found):
             raise ValueError(f"sha256 = {shown(stated)}: {shown(how.file)} has changed: its samples now have {found}")
@@ -126,7 +122,7 @@ class Record(Reading):
         if self.file is not None and self.delimiter == self.decimal:
             raise ValueError('delimiter = ",": is the decimal mark, too')
         if self.values is None:
-            raise ValueError("file: is missing; allowed are the path of a CSV file, or values in its place")
+            raise ValueError("file: is missing; allowed are the path of a CSV or UFF file, or values in its place")
         self._check_units()
         self._check_times(self.values)
         size = float(np.max(np.abs(self.values.array))) * self._factor
@@ -150,9 +146,16 @@ class Record(Reading):
             )
         if self.time_unit not in TIME_UNITS:
             raise ValueError(f"time_unit = {shown(self.time_unit)}: allowed: {', '.join(TIME_UNITS)}")
+        assert self.values is not None
+        check_stated(self.values.stated, "unit", self.unit or next(iter(allowed)), self._measured, allowed)
+        if self.times is not None:
+            check_stated(self.times.stated, "time_unit", self.time_unit, "time", TIME_UNITS)
 
     def _check_times(self, values: Samples) -> None:
-        timed = "time_column" if self.file is not None else "times"
+        in_file = values.source is not None and self.times is not None and self.time_column is None
+        timed = "times" if self.file is None or in_file else "time_column"
+        if self.rate is not None and in_file:
+            raise ValueError("rate: the file has the times; leave it out")
         if (self.times is None) == (self.rate is None):
             raise ValueError(f"rate, {timed}: give one of them")
         if len(values) < 2:
@@ -236,7 +239,8 @@ class Record(Reading):
     def _place(self, sample: int) -> str:
         """Place of the sample with an index, for messages: its line in the file, if there is one, else its number."""
         source = None if self.values is None else self.values.source
-        return f"sample {sample + 1}" if source is None else f"line {read_columns(source)[2][sample]}"
+        lines = () if source is None else _read(source).lines
+        return f"sample {sample + 1}" if not len(lines) else f"line {lines[sample]}"
 
 
 class RecordBaseMotion(Record):
@@ -328,6 +332,18 @@ class RecordLoad(Record):
             f"record of force, {self.duration:g} s: mean {offset:.3g} N, trend {slope:.3g} N/s, removed: {self.remove}"
             f"{self._bridges}"
         )
+
+
+def _read(source: Source) -> Columns:
+    """The columns of a file of either kind."""
+    if is_uff(source):
+        return read_function(source)
+    if source.dataset is not None:
+        raise ValueError(f"dataset = {shown(source.dataset)}: {shown(source.file)} is no UFF file; column chooses one")
+    try:
+        return read_columns(source)
+    except UnreadableError as error:
+        raise ValueError(f"{error}{advice(source) or error.otherwise}") from None
 
 
 def _digest(values: Samples, times: Samples | None) -> str:

@@ -22,18 +22,39 @@ class Source(NamedTuple):
     """Folder from which `file` is looked for."""
     file: str
     """The file, as the problem names it."""
-    column: int | str | None
-    time_column: int | str | None
-    skip: int
-    delimiter: str | None
-    decimal: str
-    encoding: str
+    column: int | str | None = None
+    time_column: int | str | None = None
+    skip: int = 0
+    delimiter: str | None = None
+    decimal: str = "."
+    encoding: str = "utf-8"
+    comment: str = "#"
+    dataset: int | str | None = None
+
+    def passes_over(self, line: str) -> bool:
+        """Whether a line is a comment."""
+        return line.lstrip().startswith(self.comment)
+
+
+class Stated(NamedTuple):
+    """What a file says of the numbers of a column."""
+
+    where: str
+    """The place in the file: a line, or a data set."""
+    unit: str
+    """The unit as it is written there; empty for none."""
+    sure: bool
+    """Whether the text stands where only a unit can stand."""
+    quantity: str = ""
+    """The quantity; empty where the file does not say it."""
 
 
 class Samples:
     """Numbers in a row, shape (n,), in whatever unit, and the file that they were read from, if any."""
 
-    def __init__(self, values: Sequence[float] | FloatArray, source: Source | None = None) -> None:
+    def __init__(
+        self, values: Sequence[float] | FloatArray, source: Source | None = None, stated: Stated | None = None
+    ) -> None:
         if any(isinstance(value, str | bool) for value in _few(values)):
             raise ValueError("must be a list of numbers")
         try:
@@ -46,6 +67,8 @@ class Samples:
         self.array: FloatArray = array
         """The numbers, not to be written to, shape ``(n,)``."""
         self.source = source
+        self.stated = stated
+        """What the file says of them."""
 
     @cached_property
     def digest(self) -> str:
@@ -71,7 +94,7 @@ class Samples:
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Samples, (self.array, self.source)
+        return Samples, (self.array, self.source, self.stated)
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -75,3 +76,15 @@ def test_holes_that_are_bridged_are_said() -> None:
     assert max(map(len, printed.splitlines())) <= 80
     said = "1 hole bridged as from sample to sample, the longest from 0.99 s on for 0.31 s"
     assert said in " ".join(printed.split())
+
+
+def test_the_offset_and_the_trend_of_a_record_are_said_as_simulate_says_them() -> None:
+    values = 2.0 + 0.5 * np.arange(0.0, 2.0, 0.01) + np.sin(20 * np.arange(0.0, 2.0, 0.01))
+    record = RecordBaseMotion(quantity="acceleration", values=values, rate=100.0, remove="offset")
+    write_problem(SHAKEN.replace(base_motion=record), "offset.toml")
+    simulated = " ".join(run_well("simulate", "offset.toml", "--modes", "2", "--no-errors").split())
+    counted = " ".join(run_well(*STATISTICS, "offset.toml").split())
+    (said,) = re.findall(r"base_motion: record of acceleration, .* removed: offset", simulated)
+    assert said in counted
+    mean, trend = map(float, re.findall(r"mean (\S+) m/s2, trend (\S+) m/s2/s", said)[0])
+    assert (mean, trend) == pytest.approx((2.5, 0.5), abs=0.1)

@@ -15,7 +15,7 @@ from lapjoint.problem.files import from_toml, json_schema, problem_from_tables, 
 from lapjoint.problem.override import override
 from lapjoint.problem.ramps import RandomForce
 from lapjoint.problem.random_motion import DENSITIES
-from lapjoint.problem.records import G
+from lapjoint.problem.record_units import G
 
 BAND = ((5.0, 80.0), (500.0, 80.0))
 

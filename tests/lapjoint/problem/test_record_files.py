@@ -77,7 +77,7 @@ REFUSED: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
     "another encoding": (
         "a [m/s\xb2]\n1.5\n2.5\n".encode("cp1252"),
         {},
-        r"in UTF-8 \(line 1\); encoding may be cp1252",
+        r'in UTF-8 \(line 1\); encoding = "cp1252" may be right',
     ),
     "no encoding": ("1.5\n2.5\n", {"encoding": "x"}, 'encoding = "x": is no encoding of text; allowed are utf-8'),
     "of bytes": ("1.5\n2.5\n", {"encoding": "hex"}, 'encoding = "hex": is no encoding of text'),
@@ -109,8 +109,8 @@ READ: dict[str, tuple[str | bytes, dict[str, Any], list[float]]] = {
     "a semicolon before a comma": ("t [s]; acc, z\n0.0;0.25\n0.1;0.5\n", {"column": "acc, z"}, [0.25, 0.5]),
     "a byte order mark": (b"\xef\xbb\xbf0.25\n0.5\n", {}, [0.25, 0.5]),
     "cp1252": (
-        "a [m/s\xb2]\n0.25\n0.5\n".encode("cp1252"),
-        {"encoding": "cp1252", "column": "a [m/s\xb2]"},
+        "Schl\xe4ge\n0.25\n0.5\n".encode("cp1252"),
+        {"encoding": "cp1252", "column": "Schl\xe4ge"},
         [0.25, 0.5],
     ),
     "utf-16": ("a\r\n0,25\r\n0,5\r\n".encode("utf-16"), {"encoding": "utf-16", "decimal": ","}, [0.25, 0.5]),
