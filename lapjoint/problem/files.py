@@ -7,6 +7,7 @@ fewest digits that give the number back, and an infinite stiffness as ``inf``.
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,6 +23,7 @@ from lapjoint.problem.messages import in_sentences
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
 from lapjoint.problem.schema import Part
+from lapjoint.problem.slips import line_meant
 
 _ALWAYS = ("kind", "shape", "schema_version")  # keys that tell kinds and versions apart are written, default or not
 
@@ -85,7 +87,9 @@ def tables_from_toml(text: str, source: str = "TOML") -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         lines = text.count("\n", 0, len(text.rstrip())) + 1
         reason = str(error).replace("at end of document", f"at the end of the document, line {lines}")
-        raise InputError(f"{source}: is not valid TOML: {reason}") from None
+        line = re.search(r"at line (\d+)", reason)
+        meant = line_meant(text, int(line[1]), "twice" in reason) if line else ""
+        raise InputError(f"{source}: is not valid TOML: {reason}{meant}") from None
     except (RecursionError, ValueError) as error:
         raise InputError(f"{source}: is not valid TOML: {error}") from None
 

@@ -1,4 +1,4 @@
-"""Hints at slips of unit: values that hardly any joint has, and the unit that they look like.
+"""Hints at slips: values that hardly any joint has, the unit that they look like, and supports without a spring.
 
 A hint never blocks: each value is allowed, and solved for as it stands.
 """
@@ -16,10 +16,10 @@ from lapjoint.problem.damping import Damping, ModalDamping
 from lapjoint.problem.forces import Forces
 from lapjoint.problem.line import Line
 from lapjoint.problem.masses import Mass
-from lapjoint.problem.placing import masses_of
+from lapjoint.problem.placing import masses_of, supports_of
 from lapjoint.problem.static_loads import Gravity
 from lapjoint.problem.structure import Structure
-from lapjoint.problem.supports_and_stops import PlacedStop
+from lapjoint.problem.supports_and_stops import PlacedStop, Support
 from lapjoint.problem.written import Written
 
 
@@ -69,14 +69,15 @@ second the beam hardly feels it."""
 
 
 def hints(problem: Written, joint: Structure, forces: Forces) -> tuple[str, ...]:
-    """A line for each value that looks like a slip of unit: the field, its value, its usual range, and the unit that
-    was perhaps meant."""
+    """A line for each value that looks like a slip: the field, its value, its usual range, and the unit that was
+    perhaps meant."""
     line, stops = joint.line, joint.stops
     found = [
         hint for j, beam in enumerate(line.beams) for hint in _of_beam(f"beams[{j}]" if line.several else "beam", beam)
     ]
     return (
         *found,
+        *_of_supports(supports_of(problem, line)),
         *_of_stops(stops, line),
         *_of_masses(masses_of(problem, line), line),
         *_of_gravity(problem.gravity),
@@ -107,6 +108,12 @@ def _of_section(path: str, section: Section, length: float) -> Iterator[str]:
     if section.depth > SLENDER * length:
         guess = "; were mm meant? " + _thousandth(section.depth) if section.depth / 1000 < SLENDER * length else ""
         yield f"{path}: {section.depth:g} m deep, and the beam is {length:g} m long{guess}"
+
+
+def _of_supports(supports: Sequence[tuple[str, Support]]) -> Iterator[str]:
+    for path, it in supports:
+        if not (it.translational or it.torsional):
+            yield f"{path}: has neither a translational nor a torsional stiffness, and holds nothing; inf fixes"
 
 
 def _of_stops(stops: Sequence[PlacedStop], line: Line) -> Iterator[str]:

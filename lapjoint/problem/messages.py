@@ -107,7 +107,7 @@ def _lines(fault: ErrorDetails, data: Any, model: type[BaseModel]) -> Iterator[s
         if kind == "missing":
             yield f"{path}: is missing{_described(model, loc)}"
         else:
-            yield f"{path}: unknown key; {closest(str(loc[-1]), _allowed_keys(model, loc[:-1]))}"
+            yield f"{path}: unknown key; {_meant(model, loc, value)}"
         return
     # The kind of the part itself may end the location; it is not a key there.
     path = field_path((*loc, ""), data).removesuffix(".")
@@ -195,6 +195,19 @@ def _schema_at(model: type[BaseModel], loc: Sequence[int | str]) -> Mapping[str,
 
 def _allowed_keys(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:
     return list(_schema_at(model, loc).get("properties", {}))
+
+
+def _meant(model: type[BaseModel], loc: Sequence[int | str], value: Any) -> str:
+    """What may be meant by an unknown key: the key of a part below, or the closest of those that are allowed."""
+    key, here = str(loc[-1]), _schema_at(model, loc[:-1]).get("properties", {})
+    for name in here:
+        part = _schema_at(model, (*loc[:-1], name))
+        listed = part.get("type") == "array"
+        if key in _schema_at(model, (*loc[:-1], name, 0) if listed else (*loc[:-1], name)).get("properties", {}):
+            path = ".".join(str(part) for part in (*loc[:-1], name) if not isinstance(part, int))
+            within = f"[[{path}]]" if listed else f"[{path}]"
+            return f"is it [{path}.{key}]?" if isinstance(value, Mapping) and not listed else f"it is a key of {within}"
+    return closest(key, _allowed_keys(model, loc[:-1]))
 
 
 def _tags(model: type[BaseModel], loc: Sequence[int | str]) -> list[str]:

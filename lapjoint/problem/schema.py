@@ -10,6 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 
 from lapjoint.errors import InputError
 from lapjoint.problem.messages import in_sentences, shown
+from lapjoint.problem.slips import number_meant
 
 FloatArray = npt.NDArray[np.float64]
 """Real numbers in double precision; docstrings say shape and unit."""
@@ -19,7 +20,7 @@ IntArray = npt.NDArray[np.int64]
 
 def _refuse_text_and_booleans(value: object) -> object:
     if isinstance(value, str | bool):
-        raise ValueError("must be a number")
+        raise ValueError(f"must be a number{number_meant(value) if isinstance(value, str) else ''}")
     return value
 
 

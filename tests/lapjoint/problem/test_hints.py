@@ -64,6 +64,12 @@ def test_sensible_joints_are_not_troubled(problem: Problem) -> None:
     assert problem.hints == ()
 
 
+def test_a_support_without_a_spring_is_hinted_at() -> None:
+    loose = EXAMPLE.replace("translational = inf", "translational = 0.0").replace("torsional = inf", "torsional = 0.0")
+    (line,) = from_toml(loose).hints
+    assert line.startswith("supports[0]: has neither a translational nor a torsional stiffness, and holds nothing")
+
+
 def test_a_heavy_benchmark_is_only_hinted_at() -> None:
     (line,) = sdnl104().hints  # its density is 1e6 kg/m3
     assert "density" in line
