@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass
-from importlib.metadata import entry_points
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, fields, is_dataclass
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Protocol, runtime_checkable
 
 from lapjoint.answers import History, Modes
@@ -12,6 +14,7 @@ from lapjoint.answers.contact_state import FREE, ContactState
 from lapjoint.answers.equilibrium import Equilibrium
 from lapjoint.answers.steady_state import SectionPoint, SteadyState
 from lapjoint.errors import InputError, SolverError
+from lapjoint.parts import require
 from lapjoint.problem import Problem
 
 ENTRY_POINT_GROUP = "lapjoint.solvers"
@@ -204,14 +207,14 @@ def solver_names() -> tuple[str, ...]:
 
 
 def make_solver(name: str, **options: Any) -> Solver:
-    """A solver by its entry-point name, with its numerical options.
+    """A solver by its name, with its numerical options.
 
     Parameters
     ----------
     name : str
-        One of `solver_names`.
+        One of `solver_names`; or ``module:class`` of a dataclass that no package has registered.
     **options : object
-        Numerical options by name, as ``modes=20``.
+        Numerical options by name, as ``n_modes=20``.  A list becomes a tuple, as a frozen object needs.
 
     Returns
     -------
@@ -221,26 +224,103 @@ def make_solver(name: str, **options: Any) -> Solver:
     Raises
     ------
     InputError
-        If there is no such solver, or it does not take these options or values.
+        If there is no such solver, or it does not take these options or values, or it lacks a part.
     SolverError
         If it is registered but cannot be loaded.
     """
-    found = {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
-    if name not in found:
-        raise InputError(f"solver = {name!r} is not installed; allowed: {', '.join(sorted(found))}")
-    try:
-        factory = found[name].load()
-    except (ImportError, AttributeError) as error:
-        raise SolverError(f"solver {name!r} is installed but cannot be loaded: {error}") from error
+    factory = _factory(name)
     allowed = [field.name for field in fields(factory)] if is_dataclass(factory) else None
     unknown = [] if allowed is None else [option for option in options if option not in allowed]
     if unknown and allowed is not None:
         raise InputError(f"solver {name!r} has no option {unknown[0]!r}; allowed: {', '.join(allowed)}")
     try:
-        solver = factory(**options)
+        solver = factory(**{option: _frozen(value) for option, value in options.items()})
     except TypeError as error:
         given = ", ".join(f"{option} = {value!r}" for option, value in options.items())
         raise InputError(f"solver {name!r} does not take {given}: {error}") from None
-    if not isinstance(solver, Solver):
-        raise InputError(f"solver {name!r} is not a lapjoint solver: it lacks a part of lapjoint.solver.Solver")
-    return solver
+    _check_whole(solver, name)
+    return solver  # type: ignore[no-any-return]
+
+
+def _factory(name: str) -> Any:
+    """What makes the solver of a name; a class that no package has registered must be a dataclass with all parts."""
+    found = {entry.name: entry for entry in entry_points(group=ENTRY_POINT_GROUP)}
+    own = name not in found and re.fullmatch(r"[\w.]+:[\w.]+", name) is not None
+    if name not in found and not own:
+        raise InputError(f"solver = {name!r} is not installed; allowed: {', '.join(sorted(found))}, or module:class")
+    try:
+        factory = (EntryPoint(name, name, ENTRY_POINT_GROUP) if own else found[name]).load()
+    except (ImportError, AttributeError) as error:
+        if own:
+            raise InputError(f"solver = {name!r}: cannot be imported: {error}") from error
+        raise SolverError(f"solver {name!r} is installed but cannot be loaded: {error}") from error
+    if own:  # a name may come from a file, which must not have just anything called
+        if not (isinstance(factory, type) and is_dataclass(factory)):
+            raise InputError(f"solver = {name!r}: is no dataclass, whose fields are the options of a solver")
+        _check_whole(factory, name)
+    return factory
+
+
+def _frozen(value: Any) -> Any:
+    """A value with tuples in place of lists."""
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+def _check_whole(solver: object, name: str) -> None:
+    """Raise InputError, which names the missing parts, unless an object, or its class, has all that a solver needs."""
+    require(solver, Solver, f"solver = {name!r}", "all solvers")
+
+
+def named(solver: str | Solver, options: Mapping[str, Any] | None = None) -> tuple[str, dict[str, Any]]:
+    """The name and the options from which `make_solver` makes a solver again, in another process or from a file.
+
+    Parameters
+    ----------
+    solver : str or Solver
+        A name; or a solver, whose options are its fields: they must be values that JSON can hold.
+    options : mapping, optional
+        The options of a solver that is given by its name.
+
+    Returns
+    -------
+    str, dict
+        The entry-point name, or ``module:class`` of a solver that no package has registered; and the options that
+        differ from their defaults.
+
+    Raises
+    ------
+    InputError
+        If the solver cannot be made again from them, lacks a part, or has options besides its own.
+    """
+    if isinstance(solver, str):
+        return solver, dict(options or {})
+    kind = type(solver)
+    name = f"{kind.__module__}:{kind.__qualname__}"
+    if isinstance(solver, type):
+        raise InputError(f"solver = {solver.__name__}: is a class; give a solver, as {solver.__name__}()")
+    _check_whole(solver, name)
+    if options:
+        raise InputError(f"options: are those of a solver that is given by its name; {solver.name} has its own")
+    if not is_dataclass(solver):
+        raise InputError(f"solver = {name}: is no dataclass, whose fields are the options of a solver")
+    package = kind.__module__.partition(".")[0]
+    for entry in entry_points(group=ENTRY_POINT_GROUP):
+        if entry.module.partition(".")[0] == package and _factory(entry.name) is kind:
+            name = entry.name
+    own = {field.name: getattr(solver, field.name) for field in fields(solver) if field.init}
+    try:
+        kept, usual = json.loads(json.dumps(own)), _defaults(solver)
+        own = {field: value for field, value in own.items() if field not in usual or value != usual[field]}
+        again = make_solver(name, **{field: kept[field] for field in own})
+    except (TypeError, InputError) as error:
+        raise InputError(f"solver = {solver.name}: cannot be made again by another process: {error}") from None
+    if again != solver:
+        raise InputError(f"solver = {solver.name}: made again from its options, {own!r}, it is not the same")
+    return name, own
+
+
+def _defaults(solver: Any) -> dict[str, Any]:
+    """The default of each field that has one."""
+    found = {field.name: field.default for field in fields(solver) if field.default is not MISSING}
+    made = {field.name: field.default_factory() for field in fields(solver) if field.default_factory is not MISSING}
+    return found | made

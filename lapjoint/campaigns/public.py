@@ -23,6 +23,7 @@ from lapjoint.campaigns.sweep.job import SweepJob
 from lapjoint.campaigns.sweep.spec import Plan, Start
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
+from lapjoint.solver import Solver, named
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +35,7 @@ def sweep(
     problem: Problem,
     axes: Iterable[Axis],
     *,
-    solver: str = "analytic",
+    solver: str | Solver = "analytic",
     options: Mapping[str, Any] | None = None,
     start: Start = "rest",
     starts: int = 1,
@@ -52,10 +53,10 @@ def sweep(
         The problem that has all that the axes do not change.
     axes : iterable of Axis
         The numbers that are changed; `start` = "up" and "down" follow the first of them.
-    solver : str
-        Entry-point name of the solver.
+    solver : str or Solver
+        The solver, or its name.
     options : mapping, optional
-        Numerical options of the solver.
+        Numerical options of a solver that is given by its name.
     start : {"rest", "up", "down", "random"}
         Start of each motion: the problem's own initial state; the motion before it along the first axis, ascending or
         descending; or a random initial state.
@@ -78,8 +79,8 @@ def sweep(
     xarray.Dataset
         The dataset; `lapjoint.campaigns.sweep.table` says how contacts are stored.
     """
-    grid, numerics = Grid(problem, tuple(axes)), dict(options or {})
-    plan = Plan(grid, solver, numerics, start, starts, seed, sensitivity, errors, tuple(summary))
+    grid = Grid(problem, tuple(axes))
+    plan = Plan(grid, *named(solver, options), start, starts, seed, sensitivity, errors, tuple(summary))
     return run_job(SweepJob(plan), **running)
 
 
@@ -94,7 +95,7 @@ def basins(
     seed: int = 0,
     over: Axis | None = None,
     effort: int = EFFORT_OF_A_START,
-    solver: str = "analytic",
+    solver: str | Solver = "analytic",
     options: Mapping[str, Any] | None = None,
     **running: Unpack[Running],
 ) -> xr.Dataset:
@@ -124,10 +125,10 @@ def basins(
         A number of the problem, and the values for which all this is done.
     effort : int
         Most periods of the excitation marched from a start; what has not settled after them is undecided.
-    solver : str
-        Entry-point name of the solver.
+    solver : str or Solver
+        The solver, or its name.
     options : mapping, optional
-        Numerical options of the solver.
+        Numerical options of a solver that is given by its name.
     **running : Running
         Workers, file and progress, and the errors that are raised: see `Running`.
 
@@ -138,8 +139,8 @@ def basins(
     """
     from lapjoint.campaigns.basins.job import BasinJob
 
-    numerics, coordinates = dict(options or {}), None if plane is None else Plane.from_text(plane)
-    plan = BasinPlan(problem, solver, numerics, coordinates, grid, ranges, energy, starts, seed, effort, over)
+    coordinates = None if plane is None else Plane.from_text(plane)
+    plan = BasinPlan(problem, *named(solver, options), coordinates, grid, ranges, energy, starts, seed, effort, over)
     return run_job(BasinJob(plan), **running)
 
 
@@ -149,7 +150,7 @@ def branch(
     first: float,
     last: float,
     *,
-    solver: str = "analytic",
+    solver: str | Solver = "analytic",
     options: Mapping[str, Any] | None = None,
     max_period_multiple: int = 1,
     starts: int = 0,
@@ -172,10 +173,10 @@ def branch(
         periodic excitation.
     first, last : float
         The range of the number, in its SI unit.
-    solver : str
-        Entry-point name of the solver; it must give its period map.
+    solver : str or Solver
+        The solver, or its name; it must give its period map, with arcs.
     options : mapping, optional
-        Numerical options of the solver.
+        Numerical options of a solver that is given by its name.
     max_period_multiple : int
         Largest period multiple: branches that spring from flips are followed up to it.
     starts : int
@@ -212,8 +213,7 @@ def branch(
         path,
         first,
         last,
-        solver,
-        dict(options or {}),
+        *named(solver, options),
         max_period_multiple,
         starts,
         seed,
@@ -229,7 +229,7 @@ def branch(
 def confirm(
     branches: str | Path | xr.Dataset,
     *,
-    solver: str = "fe",
+    solver: str | Solver = "fe",
     options: Mapping[str, Any] | None = None,
     share: float = 1.0,
     seed: int = 0,
@@ -241,10 +241,10 @@ def confirm(
     ----------
     branches : str, Path or xarray.Dataset
         The dataset that `lapjoint.branch` gave, or its file; it must have bifurcations, with errors.
-    solver : str
-        Entry-point name of the other solver; it must give its period map.
+    solver : str or Solver
+        The other solver, or its name; it must give its period map, with arcs.
     options : mapping, optional
-        Numerical options of the other solver.
+        Numerical options of an other solver that is given by its name.
     share : float
         Share of the bifurcations that are looked for, drawn at random; 1 for all.
     seed : int
@@ -262,12 +262,12 @@ def confirm(
     from lapjoint.campaigns.confirm.spec import confirm_spec
 
     found = read_branches(branches) if isinstance(branches, str | Path) else branches
-    return run_job(ConfirmJob(confirm_spec(found, solver, dict(options or {}), share, seed)), **running)
+    return run_job(ConfirmJob(confirm_spec(found, *named(solver, options), share, seed)), **running)
 
 
 def statistics(
     problem: Problem,
-    solver: str = "analytic",
+    solver: str | Solver = "analytic",
     *,
     duration: float | None = None,
     seeds: int = 1,
@@ -284,14 +284,14 @@ def statistics(
     ----------
     problem : Problem
         The joint.
-    solver : str
-        Entry-point name of the solver.
+    solver : str or Solver
+        The solver, or its name.
     duration : float, optional
         Duration of each motion, s, with the start that is left out; by default that of the shortest record.
     seeds : int
         Number of realisations; more than one needs random excitation.
     options : mapping, optional
-        Numerical options of the solver.
+        Numerical options of a solver that is given by its name.
     at : sequence of float, optional
         Places, m; by default those of the stops and of the ends that no support fixes.
     quantities : sequence of str, optional
@@ -316,6 +316,5 @@ def statistics(
     """
     places = None if at is None else tuple(float(x) for x in at)
     what = None if quantities is None else tuple(quantities)
-    numerics, whole = dict(options or {}), lasting(problem, duration)
-    spec = Realisations(problem, whole, seeds, solver, numerics, places, what, settle, rate)
+    spec = Realisations(problem, lasting(problem, duration), seeds, *named(solver, options), places, what, settle, rate)
     return run_job(StatisticsJob(spec), **running)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import click
 
@@ -12,7 +12,7 @@ from lapjoint.cli.options import SolverChoice, problem_options, solver_options_w
 if TYPE_CHECKING:
     from lapjoint import Problem
     from lapjoint.answers import Equilibrium
-    from lapjoint.solver import Solver
+    from lapjoint.solver import Rests, Solver
 
 BOTH = "both"
 _PAIR = "analytic", "fe"
@@ -55,9 +55,8 @@ def equilibrium(problem: str, overrides: tuple[str, ...], json_path: str | None,
 
 def _rested(solver: Solver, problem: Problem) -> Equilibrium:
     """The equilibrium by a solver; an InputError if the solver finds none of any problem."""
-    from lapjoint.errors import InputError
+    from lapjoint.parts import require
     from lapjoint.solver import Rests
 
-    if not isinstance(solver, Rests):
-        raise InputError(f"--solver: {solver.name} finds no equilibria; allowed: {', '.join(_PAIR)}, {BOTH}")
-    return solver.equilibrium(problem)
+    require(solver, Rests, f"--solver {solver.name}", "equilibria")
+    return cast("Rests", solver).equilibrium(problem)

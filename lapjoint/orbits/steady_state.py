@@ -22,6 +22,7 @@ from lapjoint.orbits.search import (
     SteadyStateSearch,
 )
 from lapjoint.orbits.wandering import Wandering
+from lapjoint.parts import require
 from lapjoint.solver import Progress
 
 
@@ -64,10 +65,11 @@ def find_steady_state(
     Raises
     ------
     InputError
-        If `start` is not a section point of this or a neighbouring problem.
+        If `start` is not a section point of this or a neighbouring problem, or the period map lacks a part.
     SolverError
         If the march cannot be continued.
     """
+    require(period_map, PeriodMap, f"the period map of solver = {solver}", "steady states")
     begin = period_map.initial() if start is None else period_map.adopted(start)
     first_look = FIRST_LOOK if start is None else FIRST_LOOK_NEAR
     found = SteadyStateSearch(period_map, effort, progress).run(begin, min(first_look, effort.max_periods))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, NamedTuple, TypedDict
+from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
@@ -16,8 +16,10 @@ from lapjoint.campaigns.point import FAILED, OUTCOME_CODES, PlainSection, plain_
 from lapjoint.errors import InputError
 from lapjoint.orbits import Effort, PeriodMap
 from lapjoint.orbits.binding import Binder
+from lapjoint.orbits.branches.resolution import HasPeriodMap
 from lapjoint.orbits.certified import CertifiedMotion
 from lapjoint.orbits.displaced import DisplacedStarts, energy_roots, plane_directions, random_deviation
+from lapjoint.parts import require
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
 
@@ -149,10 +151,11 @@ def _prepared(solver: str, options: str, problem: Problem, plane: Plane | None, 
 def _period_map(solver: str, options: str, problem: Problem) -> Any:
     """The period map of a problem, which is one of `DisplacedStarts`, too; InputError if the solver gives none."""
     problem.require_excitation_frequency("basins")
-    make = getattr(made_solver(solver, options), "period_map", None)
-    period_map = None if make is None else make(problem)
-    if not isinstance(period_map, DisplacedStarts):
-        raise InputError(f"solver = {solver!r}: does not say how a start is moved, which basins need")
+    made, owner = made_solver(solver, options), f"solver = {solver!r}"
+    require(made, HasPeriodMap, owner, "basins")
+    period_map = cast(HasPeriodMap, made).period_map(problem)
+    for protocol in (PeriodMap, DisplacedStarts):
+        require(period_map, protocol, f"the period map of {owner}", "basins")
     return period_map
 
 

@@ -17,6 +17,7 @@ from lapjoint.orbits.half_periods import gives
 from lapjoint.orbits.parameters import Retunes
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import Refinement
+from lapjoint.parts import require
 from lapjoint.problem import Problem
 from lapjoint.problem.excitation import begun_later
 from lapjoint.problem.symmetry import mirror_twins
@@ -179,14 +180,13 @@ class ParameterRange:
         high: float,
         options: ContinuationOptions | None = None,
     ) -> None:
-        if not isinstance(solver, HasPeriodMap):
-            raise InputError(f"solver = {getattr(solver, 'name', solver)}: gives no period map, and so no branches")
+        owner = f"solver = {getattr(solver, 'name', solver)}"
+        require(solver, HasPeriodMap, owner, "branches")
+        solver = cast(HasPeriodMap, solver)
         if not (np.isfinite([low, high]).all() and low < high):
             raise InputError(f"{path}: from {low:g} to {high:g} is no range; both must be finite, and ascend")
-        if not isinstance(solver.period_map(problem_at(low)), HasArcs):
-            raise InputError(
-                f"solver = {solver.name}: has steady states and sweeps, but no branches, for its period map has no arcs"
-            )
+        for protocol in (PeriodMap, HasArcs):
+            require(solver.period_map(problem_at(low)), protocol, f"the period map of {owner}", "branches")
         self.path, self.low, self.high, self.options = path, float(low), float(high), options or ContinuationOptions()
         self.zones = [
             (end, Resolution(own, problem_at, path, self.low, self.high, self.options))

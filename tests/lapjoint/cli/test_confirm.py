@@ -55,7 +55,7 @@ def test_bifurcations_that_were_shifted_are_apart(branches: Path) -> None:
         (("--share", "nan"), "share = nan: must be above 0, and at most 1"),
         (("--seed", "-1"), "seed = -1: must be"),
         (("--elements", "0"), "elements = 0: must be"),
-        (("--solver", "analytic-published"), "gives no period map"),
+        (("--solver", "analytic-published"), "lacks period_map of"),
         (("--solver", "none"), "none"),
         (("--option", "colour=red"), "colour"),
     ],

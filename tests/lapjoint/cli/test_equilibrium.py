@@ -81,7 +81,7 @@ def test_a_difference_beyond_the_errors_is_said() -> None:
     [
         (("--set", "supports=[]"), "lapjoint: equilibrium: there is none: the static loads drive a turn"),
         (("--solver", "both", "--elements", "9"), "lapjoint: --elements: is of one solver, and both are asked"),
-        (("--solver", "analytic-published"), "finds no equilibria; allowed: analytic, fe, both"),
+        (("--solver", "analytic-published"), "lacks equilibrium of lapjoint.solver.Rests, which equilibria need"),
         (("--set", "gravity.acceleration=wide"), "gravity.acceleration"),
     ],
 )

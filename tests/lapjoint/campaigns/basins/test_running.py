@@ -94,7 +94,7 @@ def test_along_a_number_motions_belong_to_branches(tmp_path: Path) -> None:
         ({"starts": 0}, "starts = 0: must be an integer from 1"),
         ({"effort": 0}, "effort = 0: must be an integer from 1"),
         ({"starts": 20_000_000}, "starts = 20000000: must be an integer from 1"),
-        ({"solver": "analytic-published", "options": {}}, "does not say how a start is moved"),
+        ({"solver": "analytic-published", "options": {}}, "lacks period_map of .*, which basins need"),
         ({"solver": "nobody"}, "is not installed"),
     ],
 )

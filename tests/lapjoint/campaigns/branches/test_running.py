@@ -174,7 +174,10 @@ def test_workers_find_the_same_branches_of_the_paper() -> None:
         ({"first": -1e-4}, "must be"),
         ({"workers": 0}, "workers = 0"),
         ({"solver": "nothing"}, "solver = 'nothing' is not installed"),
-        ({"solver": "analytic-published", "options": {}}, "solver = analytic as published .*: gives no period map"),
+        (
+            {"solver": "analytic-published", "options": {}},
+            "solver = analytic as published .*: lacks period_map of .*, which branches need",
+        ),
     ],
 )
 def test_bad_input_is_refused_with_the_field_and_its_value(
