@@ -96,9 +96,8 @@ def time_series(
     coordinates: dict[str, Any] = {
         "time": ("time", t, {"units": "s", "long_name": "time"}),
     } | place_coordinates(problem, x)
-    if FORCE in chosen:
-        names = np.array(problem.stop_names, dtype=object)
-        coordinates["stop_name"] = "stop", names, {"long_name": "name of the stop"}
+    if problem.stops:
+        coordinates |= stop_coordinates(problem)
     attributes = {
         "Conventions": "CF-1.11",
         "format_version": FORMAT_VERSION,
@@ -179,14 +178,28 @@ def _headings(series: xr.Dataset) -> list[str]:
     return [f"at x = {float(x)!r} m" for x in series["x"].values]
 
 
+def stop_coordinates(problem: Problem) -> dict[str, Any]:
+    """The coordinates of stops: the name of each, by which `sel` finds it, and `stop_name`, the same, which files of
+    format version 3 always had."""
+    names = np.array(problem.stop_names, dtype=object)
+    return {name: (("stop",), names, {"long_name": "name of the stop"}) for name in ("stop", "stop_name")}
+
+
 def place_coordinates(problem: Problem, x: FloatArray) -> dict[str, Any]:
-    """The coordinates of places, m, ``(n,)``, as a dataset has them; of several beams with their places as text."""
+    """The coordinates of places, m, ``(n,)``, as a dataset has them; of several beams with their places as text.
+
+    `stop_x` is the place of each stop, by which `sel` finds there what varies along x.
+    """
     line = problem.line
     about = "position on the line of beams" if line.several else "position from the root"
     found: dict[str, Any] = {"x": (("x",), x, {"units": "m", "long_name": about})}
     if line.several:
         names = np.array([line.place(float(one)) for one in x], dtype=object)
         found["place"] = ("x",), names, {"long_name": "beam, and position on it in m"}
+    if problem.stops:
+        places = np.array([stop.reading[0][0] for stop in problem.structure.stops])
+        about = "position of the stop; of one between two beams, on the first"
+        found["stop_x"] = ("stop",), places, {"units": "m", "long_name": about}
     return found
 
 

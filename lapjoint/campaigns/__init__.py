@@ -3,7 +3,7 @@ many starts end, and statistics of long motions.
 
 >>> from lapjoint import FREQUENCY, Axis, paper_joint, sweep
 >>> curve = sweep(paper_joint(), [Axis(FREQUENCY, range(400, 600, 10))], workers=2, out="curve.nc")  # doctest: +SKIP
->>> curve.impulse.sel(stop_name="P4")  # doctest: +SKIP
+>>> curve.impulse.sel(stop="P4")  # doctest: +SKIP
 """
 
 from lapjoint.campaigns.grid import FREQUENCY, Axis

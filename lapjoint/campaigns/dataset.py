@@ -118,11 +118,6 @@ def axis_coordinate(axis: Axis, text: str | None = None) -> Variable:
     return (axis.name,), np.array(axis.values), attributes
 
 
-def stop_names(problem: Problem) -> Variable:
-    """The names of the stops as a coordinate."""
-    return Column("stop_name", "O", "", "name of the stop").of(("stop",), problem.stop_names)
-
-
 def stop_sides(problem: Problem) -> Variable:
     """The side of each stop."""
     signs = [stop.sign for stop in problem.structure.stops]

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from lapjoint.answers.series import place_coordinates
+from lapjoint.answers.series import place_coordinates, stop_coordinates
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
 from lapjoint.summaries.distributions import edges
@@ -87,12 +87,15 @@ def _correlation(sums: Sums, realisations: int) -> float:
 
 def _coordinates(what: Measure) -> dict[str, Variable]:
     asked = np.isin(np.arange(what.selection.x.size), what.selection.asked)
-    names = np.array(what.selection.problem.stop_names, dtype=object)
-    return place_coordinates(what.selection.problem, what.selection.x) | {
-        "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
-        "stop_name": (("stop",), names, {"long_name": "name of the stop"}),
-        "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
-    }
+    problem = what.selection.problem
+    return (
+        place_coordinates(problem, what.selection.x)
+        | stop_coordinates(problem)
+        | {
+            "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
+            "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
+        }
+    )
 
 
 def _attributes(what: Measure, sums: Sums) -> dict[str, Any]:

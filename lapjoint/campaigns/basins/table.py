@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lapjoint.answers.series import stop_coordinates
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.basins.motions import MotionTable, branches_of, table_of, wilson
 from lapjoint.campaigns.basins.solve import UNBOUND, ChunkEnds
@@ -23,7 +24,6 @@ from lapjoint.campaigns.dataset import (
     attributes_of,
     axis_coordinate,
     read_result,
-    stop_names,
 )
 from lapjoint.campaigns.point import FAILED, OUTCOME_CODES, plain_section
 
@@ -160,8 +160,7 @@ def _coordinates(plan: BasinPlan) -> dict[str, Variable]:
             found[name] = Column(name, "f8", one.units, text, {"coordinate": str(one)}).of((name,), values)
     unbound = Column("unbound", "O", "", "what starts do that are bound to no certified motion")
     found["unbound"] = unbound.of(("unbound",), [name.lower() for name in UNBOUND_CLASSES])
-    found["stop_name"] = stop_names(plan.problem)
-    return found
+    return found | stop_coordinates(plan.problem)
 
 
 def _starts(plan: BasinPlan, tables: Sequence[MotionTable]) -> dict[str, Variable]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from lapjoint.answers.branches import BifurcationKind
+from lapjoint.answers.series import stop_coordinates
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.branches.loci import loci_of
 from lapjoint.campaigns.branches.search import Diagram
@@ -30,7 +31,6 @@ from lapjoint.campaigns.dataset import (
     axis_coordinate,
     flags,
     read_result,
-    stop_names,
     stop_sides,
     tabulated,
 )
@@ -184,7 +184,7 @@ def branch_dataset(spec: BranchSpec, diagrams: Sequence[Diagram]) -> xr.Dataset:
     import xarray as xr
 
     branches = [branch for diagram in diagrams for branch in diagram.branches]
-    coordinates = {"stop_name": stop_names(spec.problem)}
+    coordinates = stop_coordinates(spec.problem)
     variables = {
         "stop_side": stop_sides(spec.problem),
         **_points(spec, branches),

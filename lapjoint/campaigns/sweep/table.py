@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.answers.quantities import QUANTITIES
+from lapjoint.answers.series import stop_coordinates
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.dataset import (
     IMPULSE,
@@ -26,7 +27,6 @@ from lapjoint.campaigns.dataset import (
     attributes_of,
     axis_coordinate,
     read_result,
-    stop_names,
     stop_sides,
 )
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
@@ -127,8 +127,7 @@ def _coordinates(plan: Plan) -> dict[str, Variable]:
         text = "number of the start; 0 is the problem's own initial state, the others are random"
         text = "number of the random start" if plan.start == "random" else text
         found["start"] = Column("start", "i4", "1", text).of(("start",), range(plan.starts))
-    found["stop_name"] = stop_names(plan.grid.problem)
-    return found
+    return found | stop_coordinates(plan.grid.problem)
 
 
 def _impulses(plan: Plan, answers: _Answers) -> dict[str, Variable]:

@@ -61,6 +61,9 @@ def test_every_quantity_is_that_of_the_closed_form(solid: History) -> None:
         assert found[name].attrs["long_name"]
     assert found["force"].dims == ("stop", "time")
     assert list(found.stop_name.values) == ["above", "below"]
+    np.testing.assert_array_equal(found.force.sel(stop="below"), found.force[1])
+    at_stops = found.displacement.sel(x=found.stop_x)
+    np.testing.assert_array_equal(at_stops.sel(stop="below"), found.displacement.sel(x=1.0))
 
 
 def test_netcdf_and_csv_keep_every_digit(solid: History, tmp_path: Path) -> None:

@@ -219,7 +219,7 @@ def test_a_curve_shows_every_stop_with_its_sign() -> None:
     assert list(named) == ["P2", "P3", "P4", "P5", "does not repeat"]
     ours = [line for line in ax.lines if line.get_color() == named["P4"].get_color() and line.get_marker() != "o"]
     drawn = np.concatenate([np.asarray(line.get_ydata()) for line in ours])
-    np.testing.assert_array_equal(drawn, found.impulse.sel(stop=2))
+    np.testing.assert_array_equal(drawn, found.impulse.sel(stop="P4"))
     assert ax.get_xlabel() == "angular frequency ω [rad/s]"
     assert ax.get_ylabel() == "impulse in a period [N s]"
     assert ax.figure.get_figwidth() == 3.4
