@@ -18,12 +18,12 @@ from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
 from lapjoint.files.writing import write_file
 from lapjoint.summaries import summarise
-from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS, WANDERING
+from lapjoint.summaries.blocks import Block, Number, at_stops, steady_blocks
+from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lapjoint.problem import FloatArray
 
 COLUMNS = 80
 """Usual width of a terminal, characters."""
@@ -90,15 +90,17 @@ def print_history(history: History) -> None:
         echo(f"{names[c.stop]:<{width}}{start}{c.duration:15.6g}{impulse}{peak}{remark}".rstrip())
     if len(contacts) > ROWS_SHOWN:
         echo(f"... and {len(contacts) - ROWS_SHOWN} more (--contacts writes them all)")
-    print_impulses(problem, history.impulses().tolist(), "Impulse in all [N s]")
     lost, unsure = history.dissipated(), history.dissipated_errors()
-    _print_dissipated(problem, "Energy lost in damped stops [J]", lost, unsure)
     per = 1 / (history.end - history.start)
     of_power = None if unsure is None else unsure * per
-    total = None if of_power is None else float(of_power.sum())
-    _print_dissipated(
-        problem, "Mean power lost in damped stops [W]", lost * per, of_power, (float(lost.sum()) * per, total)
-    )
+    in_all = float(lost.sum()) * per, None if of_power is None else float(of_power.sum())
+    power = "Mean power lost in damped stops [W]"
+    for block in (
+        at_stops(problem, "Impulse in all [N s], top positive", ("",), [history.impulses()], [None]),
+        at_stops(problem, "Energy lost in damped stops [J]", ("",), [lost], [unsure], damped=True),
+        at_stops(problem, power, ("",), [lost * per], [of_power], damped=True, in_all=in_all),
+    ):
+        _print_at_stops(problem, block)
     if contacts:
         print_source(history.error_source)
 
@@ -133,54 +135,66 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
         echo(f"Another motion could have been reached: {_sensitivity(found.acceptance)}")
     if found.problem.structure.stops and not found.history.contacts:
         _print_nearest(found.history)
-    errors = None if found.impulse_errors is None else found.impulse_errors.tolist()
-    print_impulses(found.problem, found.impulses.tolist(), "Impulse per excitation period [N s]", errors)
-    if found.period_multiple:
-        heading = "Energy lost in damped stops per excitation period [J]"
-        _print_dissipated(found.problem, heading, found.dissipated, found.dissipated_errors)
-    _print_summary(found, at)
+    for block in steady_blocks(found, at):
+        if any(row.of for row in block.rows):
+            _print_places(block)
+        elif block.heads == ("",):
+            _print_at_stops(found.problem, block)
+        else:
+            _print_columns(found.problem, block)
     if found.problem.structure.stops or found.impulse_errors is not None:
         print_source(found.error_source)
 
 
-def _print_summary(found: SteadyState, at: list[float] | None) -> None:
-    """Print peaks and root mean squares at places, and the forces and contacts of each stop."""
-    summary = summarise(found, at=at)
-    what, values, errors = summary.selection, summary.values, summary.errors
-    over = "" if found.period_multiple else f" over {WANDERING} periods"
-    line = found.problem.line
-    places = [f"{line.place(x, 4)}{' m' * (not line.several)}" for x in what.x.tolist()]
-    width = max(9, *(len(place) + 2 for place in places))
+def _padded(number: Number) -> str:
+    """A number of a table with its error."""
+    return f"{number.text:>12}" + ("" if number.error is None else f" +- {error_text(number.error):<8}")
 
-    def with_error(name: str, i: int) -> str:
-        error = "" if errors is None else f" +- {error_text(float(errors[name][i])):<8}"
-        return f"{values[name][i]:12.5g}{error}"
 
-    gap = "" if errors is None else " " * 12
-    echo(f"\n{'Largest magnitude, and RMS' + over:<{29 + width}}{'peak':>12}{gap}{'RMS':>12}")
-    for one in what.quantities:
-        label = f"{one.name.replace('_', ' ')} [{written(one.units)}]"
-        largest = int(np.argmax(values[f"{one.name}_peak"]))
-        for i in dict.fromkeys([*what.asked.tolist(), largest]):
-            star = "" if i in what.asked else "*"
-            numbers = with_error(f"{one.name}_peak", i) + with_error(f"{one.name}_rms", i)
-            echo(f"{label:<29}{places[i] + star:<{width}}{numbers}".rstrip())
-            label = ""
-    echo("* where its magnitude is largest along the beam")
-    if found.problem.structure.stops:
-        names, _ = stop_column(found.problem)
-        for title, first, second in (
-            ("Force [N]", "force_peak", "force_rms"),
-            ("Contacts a second, and share of time", "contact_rate", "contact_time"),
-        ):
-            heads = ("peak", "RMS") if first == "force_peak" else ("contacts", "share")
-            echo(f"\n{title:<38}{heads[0]:>12}{gap}{heads[1]:>12}")
-            for i, stop in enumerate(names):
-                echo(f"{stop:<38}{with_error(first, i)}{with_error(second, i)}".rstrip())
-    of_power = [None if errors is None else errors[name] for name in ("dissipated_power", "dissipated_power_total")]
-    in_all = float(values["dissipated_power_total"][0]), None if of_power[1] is None else float(of_power[1][0])
-    heading = f"Mean power lost in damped stops{over} [W]"
-    _print_dissipated(found.problem, heading, values["dissipated_power"], of_power[0], in_all)
+def _heads(block: Block) -> str:
+    """Heads above numbers with errors."""
+    known = any(number is not None and number.error is not None for row in block.rows for number in row.numbers)
+    return (" " * 12 * known).join(f"{head:>12}" for head in block.heads)
+
+
+def _print_places(block: Block) -> None:
+    """Print values at places: the chosen ones, and where a quantity is largest if that is another place."""
+    width, label = max(9, *(len(row.where) + 2 for row in block.rows)), ""
+    echo(f"\n{block.title:<{29 + width}}{_heads(block)}")
+    for row in block.rows:
+        if row.asked and row.largest:
+            continue
+        place = row.where + "*" * row.largest
+        numbers = "".join(_padded(number) for number in row.numbers if number is not None)
+        echo(f"{row.of if row.of != label else '':<29}{place:<{width}}{numbers}".rstrip())
+        label = row.of
+    if any(row.largest and not row.asked for row in block.rows):
+        echo("* where its magnitude is largest along the beam")
+
+
+def _print_columns(problem: Problem, block: Block) -> None:
+    """Print several numbers of each stop."""
+    names, _ = stop_column(problem)
+    echo(f"\n{block.title:<38}{_heads(block)}")
+    for row in block.rows:
+        numbers = "".join(_padded(number) for number in row.numbers if number is not None)
+        echo(f"{row.where if row.stop is None else names[row.stop]:<38}{numbers}".rstrip())
+
+
+def _print_at_stops(problem: Problem, block: Block) -> None:
+    """Print one number of each stop, with its place and side; nothing without rows."""
+    if not block.rows:
+        return
+    names, width = stop_column(problem)
+    echo(f"\n{block.title}")
+    for row in block.rows:
+        name = f"{'in all':<{width + 21}}"
+        if row.stop is not None:
+            stop = problem.structure.stops[row.stop]
+            name = f"{names[row.stop]:<{width}}x = {stop.where:<8} {stop.side:<8}"
+        (number,) = row.numbers
+        assert number is not None
+        echo(f"{name}{number.text:>14}" + ("" if number.error is None else f"  +- {error_text(number.error)}"))
 
 
 def print_source(source: str) -> None:
@@ -217,40 +231,6 @@ def _sensitivity(acceptance: Acceptance) -> str:
 def complex_text(value: complex) -> str:
     """A complex number in six digits; a real one without its imaginary part."""
     return f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
-
-
-def print_impulses(problem: Problem, impulses: list[float], heading: str, errors: list[float] | None = None) -> None:
-    """Print one impulse for each stop, and its error if it was estimated; nothing if there are no stops."""
-    if problem.structure.stops:
-        echo(f"\n{heading}, top positive")
-        names, width = stop_column(problem)
-        known = [""] * len(impulses) if errors is None else [f"  +- {error_text(error)}" for error in errors]
-        for name, stop, impulse, error in zip(names, problem.structure.stops, impulses, known, strict=True):
-            echo(f"{name:<{width}}x = {stop.where:<8} {stop.side:<8}{impulse:14.8g}{error}")
-
-
-def _print_dissipated(
-    problem: Problem,
-    heading: str,
-    values: FloatArray,
-    errors: FloatArray | None,
-    in_all: tuple[float, float | None] | None = None,
-) -> None:
-    """Print what each damped stop takes and keeps, J or W, (S,), and what all do, with errors; nothing without such."""
-
-    def with_error(value: float, error: float | None) -> str:
-        return f"{value:14.8g}" if error is None else f"{value:14.8g}  +- {error_text(error)}"
-
-    damped = [i for i, stop in enumerate(problem.structure.stops) if stop.damping > 0]
-    if not damped:
-        return
-    echo(f"\n{heading}")
-    names, width = stop_column(problem)
-    for i in damped:
-        stop, error = problem.structure.stops[i], None if errors is None else float(errors[i])
-        echo(f"{names[i]:<{width}}x = {stop.where:<8} {stop.side:<8}{with_error(float(values[i]), error)}")
-    if in_all is not None and len(damped) > 1:
-        echo(f"{'in all':<{width + 21}}{with_error(*in_all)}")
 
 
 def stop_column(problem: Problem) -> tuple[list[str], int]:

@@ -14,9 +14,9 @@ from beams import unit_cantilever
 from command_line import assert_refused, run, run_well
 
 from lapjoint import Beam, Stop, write_problem
-from lapjoint.cli.statistics_printing import quantiles
 from lapjoint.problem.random_motion import RandomBaseMotion
 from lapjoint.problem.records import RecordBaseMotion
+from lapjoint.summaries.statistics_blocks import quantiles
 
 STATISTICS = ("statistics", "--modes", "2")
 SHAKEN = unit_cantilever(
