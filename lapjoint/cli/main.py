@@ -29,9 +29,10 @@ from lapjoint.cli.confirm import confirm
 from lapjoint.cli.echo import echo
 from lapjoint.cli.equilibrium import equilibrium
 from lapjoint.cli.look import export, show
+from lapjoint.cli.plot import plot
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
-from lapjoint.cli.sweep import plot, sweep
+from lapjoint.cli.sweep import sweep
 
 if TYPE_CHECKING:
     from lapjoint.problem.example import ExampleName

@@ -1,16 +1,12 @@
-"""The commands ``lapjoint sweep`` and ``lapjoint plot``: many steady states, and their figures."""
+"""The command ``lapjoint sweep``: many steady states."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Literal
 
 import click
 
-from lapjoint.cli.completing import FILE
-from lapjoint.cli.echo import echo
-from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, problem_options, solver_options
-from lapjoint.errors import InputError
+from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
 
 
 @click.command()
@@ -86,49 +82,3 @@ def sweep(
     found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)
-
-
-@click.command()
-@click.argument("curve", type=FILE)
-@click.option(
-    "-o", "--out", "figure", metavar="FILE", type=FILE, help="File of the figure; by default CURVE with .pdf."
-)
-@click.option("--wide", is_flag=True, help="Page-wide figure of a sweep: a panel for each stop, outcomes in colour.")
-@click.option("--hz", is_flag=True, help="Draw the frequencies of a sweep in Hz.")
-@click.option(
-    "--variable",
-    metavar="NAME",
-    help="Variable of a sweep to draw in place of the impulses, e.g. stress_peak after --summary stress_peak.",
-)
-def plot(curve: str, figure: str | None, wide: bool, hz: bool, variable: str | None) -> None:
-    """Draw the results of `lapjoint sweep`, `lapjoint branch` or `lapjoint basins` from their file CURVE.
-
-    The figure of a sweep or of branches shows the impulse of each stop over the parameter; of branches in two
-    parameters, the loci of their bifurcations; of basins, the motion in which each start ends, or the fraction of
-    starts that end in each motion.
-    """
-    from lapjoint.campaigns.basins.spec import BasinPlan
-    from lapjoint.campaigns.branches.spec import BranchSpec
-    from lapjoint.campaigns.dataset import read_result
-    from lapjoint.campaigns.sweep.spec import Plan
-    from lapjoint.cli import arguments
-    from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_curve, plot_curve_wide, plot_loci, save
-    from lapjoint.figures.sweep_variables import IMPULSE
-
-    if not Path(curve).name:
-        raise InputError(f"{curve!r}: is no file")
-    path = figure or str(Path(curve).with_suffix(".pdf"))
-    arguments.check_file("--out", path, *FIGURES)
-    dataset = read_result(curve, Plan.noun, BranchSpec.noun, BasinPlan.noun)
-    of = dataset.attrs.get("result_of")
-    if of == BranchSpec.noun:
-        arguments.refuse("a diagram of branches has one look", wide=wide, hz=hz, variable=variable)
-        save(plot_loci(dataset) if "also_over" in dataset.attrs else plot_branches(dataset), path)
-    elif of == BasinPlan.noun:
-        arguments.refuse("a figure of basins has one look", wide=wide, hz=hz, variable=variable)
-        save(plot_basins(dataset), path)
-    else:
-        dataset = in_hertz(dataset) if hz else dataset
-        what = variable or IMPULSE
-        save(plot_curve_wide(dataset, variable=what) if wide else plot_curve(dataset, variable=what), path)
-    echo(f"Wrote {path}")

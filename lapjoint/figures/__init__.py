@@ -9,6 +9,7 @@ from lapjoint.figures.branch_diagram import plot_branches
 from lapjoint.figures.branch_loci import plot_loci
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
+from lapjoint.figures.curves_together import plot_curves, plot_curves_wide
 from lapjoint.figures.exceedance import plot_exceedance
 from lapjoint.figures.impulse_curve import plot_curve
 from lapjoint.figures.impulse_curve_wide import plot_curve_wide
@@ -31,6 +32,8 @@ __all__ = [
     "plot_convergence",
     "plot_curve",
     "plot_curve_wide",
+    "plot_curves",
+    "plot_curves_wide",
     "plot_exceedance",
     "plot_joint",
     "plot_loci",

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lapjoint.answers.series import written
 from lapjoint.errors import InputError
+from lapjoint.figures.limits import DASHES
 from lapjoint.figures.style import COLOURS, STYLES, entitle, new_axes, style
 from lapjoint.figures.text import legend_label
 from lapjoint.summaries.sums import OF_CONTACTS
@@ -24,7 +27,9 @@ _LABELS = {
 
 
 @style()
-def plot_exceedance(dataset: xr.Dataset, axes: Axes | None = None, *, quantity: str = "impulse") -> Axes:
+def plot_exceedance(
+    dataset: xr.Dataset, axes: Axes | None = None, *, quantity: str = "impulse", limits: Sequence[float] = ()
+) -> Axes:
     """Draw the number of contacts a second that reach or exceed a value, of each stop, with 95 % intervals as bands.
 
     Parameters
@@ -35,6 +40,8 @@ def plot_exceedance(dataset: xr.Dataset, axes: Axes | None = None, *, quantity: 
         Where to draw; by default on a new figure.
     quantity : str
         "impulse", "peak_force", "contact_duration" or "impact_speed".
+    limits : sequence of float
+        Values at which vertical lines are drawn, in the SI unit of the quantity.
 
     Returns
     -------
@@ -60,6 +67,10 @@ def plot_exceedance(dataset: xr.Dataset, axes: Axes | None = None, *, quantity: 
             axes.plot(low[seen], rate[seen], color=colour, linestyle=pattern, label=legend_label(str(name)))
             floor = np.maximum(ends[seen, 0], 1e-3 * rate[seen])
             axes.fill_between(low[seen], floor, ends[seen, 1], color=colour, alpha=0.15, linewidth=0)
+    for number, limit in enumerate(limits):
+        unit = written(str(dataset[f"{quantity}_low"].attrs["units"]))
+        look: dict[str, Any] = {"color": "black", "linestyle": DASHES, "linewidth": 0.7 + 0.5 * number}
+        axes.axvline(limit, label=f"limit {limit:g} {unit}", **look)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(_LABELS[quantity])

@@ -7,14 +7,16 @@ repeat have hollow marks.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lapjoint.figures.limits import draw_limits
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, STYLES, THIN, entitle, new_axes, style
 from lapjoint.figures.sweep_axes import axis_label, constant_fields, each_line, fields, in_order, short_name, units
-from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
+from lapjoint.figures.sweep_variables import IMPULSE, curves, exponent_of, ordinate, where
 from lapjoint.figures.text import legend_label
 from lapjoint.problem import FloatArray
 
@@ -31,7 +33,9 @@ _SHOWN = 4  # most values of a second field in the legend; if there are more, on
 
 
 @style()
-def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str = IMPULSE) -> Axes:
+def plot_curve(
+    dataset: xr.Dataset, axes: Axes | None = None, *, variable: str = IMPULSE, limits: Sequence[float] = ()
+) -> Axes:
     """Draw the impulse of every stop over the first swept field, top positive, bottom negative, one column wide.
 
     Another `variable` is drawn in the same way: for each stop, or the largest value along the beam.
@@ -44,6 +48,8 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
         Where to draw; by default on a new figure.
     variable : str
         The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+    limits : sequence of float
+        Magnitudes of the variable at which dashed lines are drawn, in its SI unit.
 
     Returns
     -------
@@ -66,7 +72,8 @@ def plot_curve(dataset: xr.Dataset, axes: Axes | None = None, *, variable: str =
             colour, pattern = COLOURS[stop % len(COLOURS)], STYLES[stop % len(STYLES)]
             draw_line(axes, dataset[first].values, line, colour, pattern, label, kinds[i], _opacity(i, len(kinds)))
     _name_shades(axes, dataset, second)
-    _name_marks(axes, kinds)
+    name_marks(axes, kinds)
+    draw_limits(axes, dataset, variable, limits, exponent_of(variable, dataset))
     axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
     axes.set_xlabel(axis_label(dataset, first))
     axes.set_ylabel(ordinate(dataset, variable))
@@ -165,7 +172,7 @@ def _name_shades(axes: Axes, dataset: xr.Dataset, second: str | None) -> None:
         axes.plot([], [], "-", color=GREY, alpha=_opacity(i, len(values)), linewidth=1.8, label=f"{values[i]:.4g}")
 
 
-def _name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
+def name_marks(axes: Axes, kinds: list[FloatArray]) -> None:
     """Add a legend entry for the marks of motions that do not repeat, if there are any."""
     if any((kind == ERRATIC).any() for kind in kinds):
         axes.plot([], [], linestyle="", marker="o", ms=_MARK, mfc="white", mew=0.5, mec=GREY, label="does not repeat")

@@ -6,12 +6,14 @@ starts is drawn as points.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lapjoint.figures.impulse_curve import draw_line, limit, motion_kinds
+from lapjoint.figures.limits import draw_limits, limit_text
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, STYLE, STYLES, THIN, figure_of, new_panels, style
 from lapjoint.figures.sweep_axes import (
     axis_label,
@@ -23,8 +25,9 @@ from lapjoint.figures.sweep_axes import (
     short_name,
     units,
 )
-from lapjoint.figures.sweep_variables import IMPULSE, curves, ordinate, where
+from lapjoint.figures.sweep_variables import IMPULSE, curves, exponent_of, ordinate, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
+from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,7 +55,7 @@ _LABELS = {"no_contact": "no contact", "periodic": "periodic, 1", "periodic_n": 
 
 
 @style()
-def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Axes, ...]:
+def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE, limits: Sequence[float] = ()) -> tuple[Axes, ...]:
     """Draw a panel for each stop, and below them a strip with the outcome at each point, as wide as a page.
 
     A second swept field is drawn as one line for each of its values, or as a map if it has more than `MOST_LINES`.
@@ -63,6 +66,8 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
         Dataset of a sweep, as `lapjoint.campaigns.sweep` returns it.
     variable : str
         The variable drawn: one of `lapjoint.figures.sweep_variables.drawable`, as ``stress_peak``.
+    limits : sequence of float
+        Magnitudes of the variable at which dashed lines are drawn, in its SI unit; a map has none.
 
     Returns
     -------
@@ -89,13 +94,16 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE) -> tuple[Ax
         lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"]),
     )
     label = "impulse [N s]" if variable == IMPULSE else ordinate(dataset, variable)
+    exponent = exponent_of(variable, dataset)
+    drawn_limits = [] if as_map else [limit_text(dataset, variable, limit, exponent) for limit in limits]
     for stop, axes in enumerate(panels[:-1]):
         values = lines[stop][1]
         if as_map:
             _map(figure, axes, dataset, values, label, first, second or "")
         else:
             _panel(axes, dataset, values, label, first, second, legend=stop == 0)
-        axes.set_title(literal(names[stop]), pad=2)
+            draw_limits(axes, dataset, variable, limits, exponent)
+        axes.set_title(literal("; ".join([names[stop], *drawn_limits])), pad=2)
     _certificate_strip(figure, panels[-1], dataset, first, second)
     panels[-1].set_xlabel(axis_label(dataset, first))
     limit(panels[-1], dataset[first].values)
@@ -154,22 +162,35 @@ def _rows(dataset: xr.Dataset, first: str) -> int:
 
 def _certificate_strip(figure: Figure, axes: Axes, dataset: xr.Dataset, first: str, second: str | None) -> None:
     """Draw a row for each value of the second field and each start, coloured by the outcome."""
-    from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
+    codes = draw_outcomes(axes, dataset, dataset[first].values)
+    axes.set_title("what was established" if dataset.sizes["stop"] else "what was established, without stops", pad=2)
+    axes.grid(False)
+    _strip_ticks(axes, dataset, second, len(codes))
+    name_outcomes(figure, codes)
 
-    codes = certificates(dataset).reshape(dataset.sizes[first], -1).T
+
+def draw_outcomes(axes: Axes, dataset: xr.Dataset, x: FloatArray, row: int = 0) -> IntArray:
+    """Draw rows of cells around the swept values `x`, (n,), upwards from `row`, coloured by outcome: a row for each
+    value of the second field and each start.  The codes of `certificates`, (rows, n), are returned."""
+    from matplotlib.colors import ListedColormap
+
+    codes = certificates(dataset).reshape(x.size, -1).T
     axes.pcolormesh(
-        cell_edges(dataset[first].values),
-        np.arange(len(codes) + 1) - 0.5,
+        cell_edges(x),
+        np.arange(len(codes) + 1) - 0.5 + row,
         codes,
         cmap=ListedColormap(list(OUTCOME_COLOURS.values())),
         vmin=-0.5,
         vmax=len(OUTCOME_COLOURS) - 0.5,
         rasterized=True,
     )
-    axes.set_title("what was established" if dataset.sizes["stop"] else "what was established, without stops", pad=2)
-    axes.grid(False)
-    _strip_ticks(axes, dataset, second, len(codes))
+    return codes
+
+
+def name_outcomes(figure: Figure, codes: IntArray) -> None:
+    """Put a legend of the colours of outcomes, by their `codes`, below the figure."""
+    from matplotlib.patches import Patch
+
     keys = list(OUTCOME_COLOURS)
     patches = [
         Patch(facecolor=OUTCOME_COLOURS[keys[i]], label=_LABELS.get(keys[i], keys[i]), edgecolor="0.5", linewidth=0.4)

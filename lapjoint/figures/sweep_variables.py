@@ -34,29 +34,43 @@ def drawable(dataset: xr.Dataset) -> tuple[str, ...]:
     return IMPULSE, *(name for name in SUMMARIES if name in dataset)
 
 
-def curves(dataset: xr.Dataset, variable: str) -> list[tuple[str, xr.DataArray]]:
-    """The curves of a drawable variable: name and values of each stop, or an empty name and the values of the beam."""
+def check_variable(dataset: xr.Dataset, variable: str) -> None:
+    """InputError if a variable is not among those that can be drawn."""
     if variable not in drawable(dataset):
         there, more = ", ".join(drawable(dataset)), "--summary of a sweep adds more"
         raise InputError(f"variable {variable!r}: is not in this file, which has {there}; {more}")
-    values = dataset[variable] / 10.0 ** _exponent(dataset, variable)
+
+
+def curves(dataset: xr.Dataset, variable: str, exponent: int | None = None) -> list[tuple[str, xr.DataArray]]:
+    """The curves of a drawable variable: name and values of each stop, or an empty name and the values of the beam.
+
+    The values are in the unit of `ordinate`, with the `exponent` of its prefix, by default as the dataset needs.
+    """
+    check_variable(dataset, variable)
+    values = dataset[variable] / 10.0 ** (exponent_of(variable, dataset) if exponent is None else exponent)
     if "stop" not in values.dims:
         return [("", values)]
     return [(str(name), values.isel(stop=i)) for i, name in enumerate(dataset.stop_name.values)]
 
 
-def ordinate(dataset: xr.Dataset, variable: str) -> str:
+def ordinate(dataset: xr.Dataset, variable: str, exponent: int | None = None) -> str:
     """Name and unit of a drawable variable, as the label of an axis: ``largest stress [MPa]``."""
     quantity, _, kind = variable.rpartition("_")
     text = _NAMES.get(variable) or f"{_KINDS[kind]} {quantity.replace('_', ' ')}"
-    unit = _PREFIXES[_exponent(dataset, variable)] + written(str(dataset[variable].attrs["units"]))
+    unit = unit_of(dataset, variable, exponent)
     return literal(text if unit == "1" else f"{text} [{unit}]")
 
 
-def _exponent(dataset: xr.Dataset, variable: str) -> int:
-    """Power of ten of the unit's prefix; 0 for impulses, fractions and rates."""
-    size = float(np.nanmax(np.abs(dataset[variable].values), initial=0.0))
-    units = str(dataset[variable].attrs["units"])
+def unit_of(dataset: xr.Dataset, variable: str, exponent: int | None = None) -> str:
+    """The unit of a drawable variable with its prefix."""
+    exponent = exponent_of(variable, dataset) if exponent is None else exponent
+    return _PREFIXES[exponent] + written(str(dataset[variable].attrs["units"]))
+
+
+def exponent_of(variable: str, *datasets: xr.Dataset) -> int:
+    """Power of ten of the prefix of a unit that suits all datasets; 0 for impulses, fractions and rates."""
+    size = max(float(np.nanmax(np.abs(dataset[variable].values), initial=0.0)) for dataset in datasets)
+    units = str(datasets[0][variable].attrs["units"])
     if variable == IMPULSE or units in ("1", "s-1") or not 0 < size < np.inf or _PLAIN[0] <= size < _PLAIN[1]:
         return 0
     return int(np.clip(3 * math.floor(math.log10(size) / 3), min(_PREFIXES), max(_PREFIXES)))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from beams import unit_cantilever
-from command_line import assert_refused, run, run_well
+from command_line import run_well
 
 from lapjoint import Beam, Stop, write_problem
 from lapjoint.problem.random_motion import RandomBaseMotion
@@ -55,11 +55,6 @@ def test_it_prints_values_and_intervals_and_writes_them(problem: str) -> None:
     assert np.array(rms["interval"]).shape == (found.x.size, 2)
     assert [x for x, asked in zip(content["x_m"], content["asked"], strict=True) if asked] == [0.5, 1.0]
     assert run_well(*command).splitlines() == ["stats.nc: holds these statistics already, finished", *lines[1:]]
-
-
-def test_a_sweep_is_no_statistics_and_the_other_way_round(problem: str) -> None:
-    run_well(*STATISTICS, problem, "--duration", "2", "--out", "stats.nc")
-    assert_refused(run("plot", "stats.nc"), "is not the result of a sweep")
 
 
 def test_quantiles_of_counts_in_bins() -> None:

@@ -35,8 +35,8 @@ def test_sweep_writes_a_dataset_and_plot_draws_it() -> None:
     exact = Solver(n_modes=4).steady_state(paper_joint(angular_frequency=510.0, gap=2e-3))
     np.testing.assert_array_equal(curve.impulse[1, 1], exact.impulses)
     assert run_well(*SWEEP, "--over", "stops.*.gap=1e-3:2e-3:2").startswith("curve.nc: holds this sweep already")
-    assert run_well("plot", "curve.nc") == "Wrote curve.pdf\n"
-    assert run_well("plot", "curve.nc", "--wide", "-o", "wide.svg") == "Wrote wide.svg\n"
+    assert run_well("plot", "curve.nc").startswith("Wrote curve.pdf\n")
+    assert run_well("plot", "curve.nc", "--wide", "-o", "wide.svg").startswith("Wrote wide.svg\n")
     assert_refused(run(*SWEEP), "curve.nc: is the result of another sweep; choose another --out, or overwrite it")
     run_well(*SWEEP, "--force")
 

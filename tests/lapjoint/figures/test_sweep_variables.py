@@ -90,7 +90,8 @@ def test_what_is_not_there_is_refused_by_name(curve: xr.Dataset, file: Path) -> 
         plot_curve(curve, variable="moment_peak")
     assert_refused(run("plot", file, "--variable", "weight"), "variable 'weight': is not in this file")
     picture = file.with_suffix(".svg")
-    assert run_well("plot", file, "--hz", "--wide", "--variable", "stress_peak", "-o", picture) == f"Wrote {picture}\n"
+    printed = run_well("plot", file, "--hz", "--wide", "--variable", "stress_peak", "-o", picture)
+    assert printed.startswith(f"Wrote {picture}\n")
 
 
 @pytest.mark.parametrize(
