@@ -68,6 +68,7 @@ UNITS = {
     "base_share": "1",
     "gravity_share": "1",
     "angular_frequency": "rad s-1",
+    "frequency": "Hz",
     "phase": "rad",
     "rate": "Hz",
     "force": "N",
@@ -75,6 +76,13 @@ UNITS = {
     "acceleration": "m s-2",
 }
 """Units of the fields of a problem, by the last key of their path."""
+
+
+def in_radians(path: str) -> tuple[str, float]:
+    """A path as campaigns keep it, and how many of its units make one of those that are given: a frequency in Hz,
+    ``base_motion.frequency``, is kept as an angular frequency in rad/s."""
+    part, dot, key = path.rpartition(".")
+    return (f"{part}.angular_frequency", 2 * math.pi) if dot and key == "frequency" else (path, 1.0)
 
 
 @dataclass(frozen=True)
@@ -87,7 +95,8 @@ class Axis:
         Path of the number in the problem, as ``--set`` takes it: ``stops.*.gap``, ``damping.ratio``; `FREQUENCY` sets
         the frequency of all periodic excitation: parts at a whole multiple of another's frequency stay at it.
     values : iterable of float
-        The values, in the SI unit of the number, each once, in any sequence.
+        The values, in the SI unit of the number, each once, in any sequence.  Those of a ``frequency``, Hz, are kept
+        as angular frequencies, rad/s.
 
     Raises
     ------
@@ -101,8 +110,9 @@ class Axis:
     def __post_init__(self) -> None:
         if not path_keys(self.path):
             raise InputError(f"axis {self.path!r}: must be the path of a number of the problem, as in stops.*.gap")
-        object.__setattr__(self, "path", ".".join(path_keys(self.path)))
-        object.__setattr__(self, "values", tuple(self._numbers(self.values)))
+        path, radians = in_radians(".".join(path_keys(self.path)))
+        object.__setattr__(self, "path", path)
+        object.__setattr__(self, "values", tuple(value * radians for value in self._numbers(self.values)))
         if not self.values:
             raise InputError(f"axis {self.path}: has no values; must have at least one")
         for value, number in Counter(self.values).items():

@@ -80,6 +80,18 @@ def axes_from(
     return (Axis(FREQUENCY, frequencies(first, last, step, hz)), *axes)
 
 
+def in_hz(path: str) -> str:
+    """The path of an angular frequency as that of the frequency in Hz."""
+    if not path.endswith("angular_frequency"):
+        raise InputError(f"--hz: --over {path} is no angular_frequency; leave it out")
+    return path.removesuffix("angular_frequency") + "frequency"
+
+
+def is_in_hz(path: str | None) -> bool:
+    """Whether a path leads to a frequency in Hz."""
+    return path is not None and path.rpartition(".")[2] == "frequency"
+
+
 def frequencies(first: float, last: float, step: float, hz: bool = False) -> tuple[float, ...]:
     """Angular frequencies, rad/s, from `first` to at most `last` in steps of `step`, all given in rad/s or, with `hz`,
     in Hz."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint import Problem
 from lapjoint.campaigns.basins.spec import BasinPlan
-from lapjoint.campaigns.grid import FREQUENCY, MOST_POINTS, Axis
+from lapjoint.campaigns.grid import MOST_POINTS, Axis
 from lapjoint.cli.arguments import refuse
 from lapjoint.errors import InputError
 from lapjoint.problem.plane import Plane
@@ -84,4 +84,5 @@ def axis_over(path: str | None, first: float | None, last: float | None, values:
         raise InputError(f"--{missing[0]}: is missing; --over {path} needs --from, --to and --values")
     if not 1 <= values <= MOST_POINTS or not math.isfinite(last - first):
         raise InputError(f"--over {path}: must have finite ends, and from 1 to {MOST_POINTS} values")
-    return Axis(FREQUENCY if path == "angular_frequency" else path, tuple(np.linspace(first, last, values).tolist()))
+    whole = f"base_motion.{path}" if path in ("angular_frequency", "frequency") else path
+    return Axis(whole, tuple(np.linspace(first, last, values).tolist()))

@@ -29,7 +29,11 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
 @click.option("--energy", type=float, metavar="J", help="Random starts with at most this energy, instead of a plane.")
 @click.option("--starts", type=int, help="Number of random starts.  [default: 1000]")
 @click.option("--seed", type=int, help="Seed of the random starts.  [default: 0]")
-@click.option("--over", metavar="PATH", help="A parameter to vary, e.g. stops.*.gap; basins are found at each value.")
+@click.option(
+    "--over",
+    metavar="PATH",
+    help="A parameter to vary, e.g. stops.*.gap, or frequency in Hz; basins are found at each value.",
+)
 @click.option("--from", "first", type=float, help="First value of the parameter.")
 @click.option("--to", "last", type=float, help="Last value of the parameter.")
 @click.option("--values", type=int, help="Number of values of the parameter.")
@@ -55,12 +59,14 @@ def basins(
     from lapjoint.cli.basin_arguments import plan_from
     from lapjoint.cli.basin_printing import print_basins
     from lapjoint.cli.finding import found_or_stored
+    from lapjoint.figures.sweep_axes import in_hertz
 
     arguments.check_file("--out", work.out, ".nc")
     arguments.check_file("--figure", figure, *FIGURES)
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver.name, solver.numerics, **chosen)
     found = found_or_stored(BasinJob(plan), "basins", "these basins", work)
+    found = in_hertz(found) if arguments.is_in_hz(chosen["over"]) else found
     print_basins(found)
     if figure is not None:
         from lapjoint.figures import plot_basins, save

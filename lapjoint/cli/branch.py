@@ -16,10 +16,13 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     default="base_motion.angular_frequency",
     show_default=True,
     metavar="PATH",
-    help="The parameter that changes, e.g. stops.*.gap.",
+    help="The parameter that changes, e.g. stops.*.gap, or base_motion.frequency in Hz.",
 )
 @click.option("--from", "first", type=float, required=True, help="One end of the parameter's range, SI units.")
 @click.option("--to", "last", type=float, required=True, help="The other end of the range.")
+@click.option(
+    "--hz", is_flag=True, help="--from, --to and what is printed are in Hz; frequencies in the file in rad/s."
+)
 @click.option(
     "--max-period-multiple",
     type=int,
@@ -68,6 +71,7 @@ def branch(
     path: str,
     first: float,
     last: float,
+    hz: bool,
     max_period_multiple: int,
     starts: int,
     seed: int,
@@ -89,13 +93,15 @@ def branch(
     from lapjoint.cli import arguments
     from lapjoint.cli.branch_printing import is_whole, print_branches
     from lapjoint.cli.finding import found_or_stored
+    from lapjoint.figures.sweep_axes import in_hertz
 
     arguments.check_file("--out", work.out, ".nc")
     this = arguments.problem_from(problem, overrides)
     also_over = None if second is None else arguments.axis_from(second, "--also-over")
+    over = arguments.in_hz(path) if hz else path
     plan = BranchSpec(
         this,
-        path,
+        over,
         first,
         last,
         solver.name,
@@ -110,5 +116,5 @@ def branch(
         from_grazes=from_grazes,
     )
     found = found_or_stored(BranchJob(plan), "branch", "these branches", work, search=True)
-    print_branches(found)
+    print_branches(in_hertz(found) if arguments.is_in_hz(over) else found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

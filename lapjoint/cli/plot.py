@@ -21,7 +21,6 @@ class Look(NamedTuple):
     """How a file is drawn."""
 
     wide: bool
-    hz: bool
     variable: str | None
     limits: tuple[tuple[str, float], ...]
     """Variables and their limits, SI."""
@@ -40,7 +39,7 @@ class Look(NamedTuple):
     "-o", "--out", "figure", metavar="FILE", type=FILE, help="File of the figure; by default the first FILE with .pdf."
 )
 @click.option("--wide", is_flag=True, help="Page-wide figure of sweeps: a panel for each stop, outcomes in colour.")
-@click.option("--hz", is_flag=True, help="Draw and print the frequencies of sweeps in Hz.")
+@click.option("--hz", is_flag=True, help="Draw and print frequencies in Hz.")
 @click.option(
     "--variable",
     metavar="NAME",
@@ -70,27 +69,27 @@ def plot(
     from lapjoint.campaigns.dataset import SWEEP, read_result
     from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments
-    from lapjoint.figures import plot_basins, plot_branches, plot_loci, save
+    from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_loci, save
 
     for path in files:
         if not Path(path).name:
             raise InputError(f"{path!r}: is no file")
-    look = Look(wide, hz, variable, tuple(_limit_from(text) for text in limits))
+    look = Look(wide, variable, tuple(_limit_from(text) for text in limits))
     path = figure or str(Path(files[0]).with_suffix(".pdf"))
     arguments.check_file("--out", path, *FIGURES)
     nouns = (SWEEP, BranchSpec.noun, BasinPlan.noun, Realisations.noun)
     datasets = {name: read_result(file, *nouns) for name, file in zip(_names(files), files, strict=True)}
+    if hz:
+        datasets = {name: in_hertz(dataset) for name, dataset in datasets.items()}
     kinds = {name: dataset.attrs.get("result_of", SWEEP) for name, dataset in datasets.items()}
     of, dataset = next(iter(kinds.values())), next(iter(datasets.values()))
     if len(files) > 1:
         for file, kind in zip(files, kinds.values(), strict=True):
             if kind != SWEEP:
                 raise InputError(f"{file}: is the result of a {kind}; only sweeps are drawn several in one figure")
-    options = {"wide": wide, "hz": hz, "variable": variable, "limit": limits or None}
+    options = {"wide": wide, "variable": variable, "limit": limits or None}
     if of == BranchSpec.noun:
-        arguments.refuse(
-            "a diagram of branches has one look", wide=wide, hz=hz, variable=variable, limit=limits or None
-        )
+        arguments.refuse("a diagram of branches has one look", **options)
         save(plot_loci(dataset) if "also_over" in dataset.attrs else plot_branches(dataset), path)
         echo(f"Wrote {path}")
     elif of == BasinPlan.noun:
@@ -120,10 +119,9 @@ def _plot_statistics(dataset: xr.Dataset, look: Look, path: str) -> None:
 def _plot_sweeps(datasets: dict[str, xr.Dataset], look: Look, path: str) -> None:
     """Draw one sweep, or several in one figure, and print their peaks and jumps."""
     from lapjoint.cli.plot_printing import print_features
-    from lapjoint.figures import in_hertz, plot_curve, plot_curve_wide, plot_curves, plot_curves_wide, save
+    from lapjoint.figures import plot_curve, plot_curve_wide, plot_curves, plot_curves_wide, save
     from lapjoint.figures.sweep_variables import IMPULSE
 
-    datasets = {name: in_hertz(dataset) if look.hz else dataset for name, dataset in datasets.items()}
     what = look.variable or IMPULSE
     limits = look.limits_of(what)
     if len(datasets) > 1:

@@ -7,7 +7,8 @@ first value.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Hashable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,24 +26,31 @@ _MEMBERS = {"stops": "stop", "supports": "support", "masses": "mass"}
 
 
 def in_hertz(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with its frequencies in Hz, for figures.
+    """The dataset with its frequencies in Hz, for figures and tables.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of a sweep.
+        Dataset of a sweep, of branches, of a confirmation or of basins.
 
     Returns
     -------
     xarray.Dataset
-        The dataset with fields in Hz in place of rad/s.
+        The dataset with variables in Hz in place of rad/s.
     """
-    turned = {
-        str(name): (value.dims, value.values / (2 * math.pi), {**value.attrs, "units": "Hz"})
-        for name, value in dataset.coords.items()
-        if value.attrs.get("units") == "rad s-1"
-    }
-    return dataset.assign_coords(turned)
+    turned = {name: value for name, value in dataset.variables.items() if value.attrs.get("units") == "rad s-1"}
+    swept = {value.attrs["path"] for value in turned.values() if "path" in value.attrs}
+    range_turned = dataset.attrs.get("path") in swept and "range" in dataset.attrs
+    found = dataset.assign_coords({name: _hertz(one) for name, one in turned.items() if name in dataset.coords})
+    found = found.assign({name: _hertz(one) for name, one in turned.items() if name in dataset.data_vars})
+    return found.assign_attrs(range=np.asarray(dataset.attrs["range"]) / (2 * math.pi)) if range_turned else found
+
+
+def _hertz(variable: xr.Variable) -> tuple[tuple[Hashable, ...], FloatArray, dict[str, Any]]:
+    """A variable of angular frequencies, rad/s, as its dimensions, its values in Hz, and its attributes."""
+    text = str(variable.attrs.get("long_name", "")).replace("angular frequency", "frequency")
+    attrs = {**variable.attrs, "units": "Hz", "long_name": text.replace("angular_frequency", "frequency")}
+    return variable.dims, variable.values / (2 * math.pi), attrs
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:

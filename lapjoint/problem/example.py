@@ -89,12 +89,12 @@ ratio = 0.08                  # of every mode of the current contact state, >= 0
 [base_motion]                 # y(t) = amplitude sin(angular_frequency t + phase); leave out for a base at rest
 kind = "sine"                 # or "harmonics", "record" or "random", see below; "sine" where none is given
 amplitude = 0.06              # m, >= 0
-angular_frequency = 515.0     # rad/s, > 0
+angular_frequency = 515.0     # rad/s, > 0; or else frequency = 82.0, in Hz: so also below
 phase = 0.0                   # rad
 
 # [base_motion]               # y(t) = sum of amplitude sin(multiple angular_frequency t + phase)
 # kind = "harmonics"
-# angular_frequency = 60.0    # rad/s, of the fundamental
+# frequency = 10.0            # Hz, of the fundamental; or else angular_frequency, rad/s
 # harmonics = [               # whole multiples of it, each once
 #     {multiple = 1, amplitude = 2e-3},
 #     {multiple = 3, amplitude = 1e-4, phase = 0.7},

@@ -13,12 +13,14 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
 
+from lapjoint.problem.messages import shown
 from lapjoint.problem.places import Place
 from lapjoint.problem.random_motion import RandomBaseMotion, RandomLoad
 from lapjoint.problem.records import RecordBaseMotion, RecordLoad
 from lapjoint.problem.schema import Finite, FloatArray, NonNegative, Part, Positive, Whole
+from lapjoint.problem.slips import number_meant
 
 MOST_MULTIPLE = 10_000
 """Largest multiple of a fundamental: a march over one period takes at least as many steps."""
@@ -78,7 +80,38 @@ _AtLeastOne = Field(json_schema_extra={"minItems": 1})  # a min_length would cou
 _EachOnce = AfterValidator(_each_multiple_once)
 
 
-class _PeriodicBaseMotion(Part):
+def _either(schema: dict[str, Any]) -> None:
+    """Allow a frequency in Hz beside the angular frequency in a JSON Schema; one of them must be there."""
+    hertz = {"type": "number", "exclusiveMinimum": 0, "title": "Frequency"}
+    schema["properties"]["frequency"] = hertz | {"description": "Frequency, Hz, in place of angular_frequency."}
+    schema["required"].remove("angular_frequency")
+    schema["oneOf"] = [{"required": ["angular_frequency"]}, {"required": ["frequency"]}]
+
+
+class _Periodic(Part):
+    """A part with an angular frequency, which a file may give in Hz by the key ``frequency``."""
+
+    model_config = ConfigDict(json_schema_extra=_either)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_radians(cls, data: Any) -> Any:
+        """The tables with the angular frequency, rad/s, in place of a frequency, Hz."""
+        if not isinstance(data, Mapping) or "frequency" not in data:
+            return data
+        if "angular_frequency" in data:
+            raise ValueError("frequency, angular_frequency: give one of them, in Hz or in rad/s")
+        hertz = data["frequency"]
+        if isinstance(hertz, bool | str) or not isinstance(hertz, int | float):
+            meant = number_meant(hertz) if isinstance(hertz, str) else ""
+            raise ValueError(f"frequency = {shown(hertz)}: must be a number{meant}")
+        if not 0 < hertz < math.inf:
+            raise ValueError(f"frequency = {shown(hertz)}: must be greater than 0 and finite, in Hz")
+        kept = {key: value for key, value in data.items() if key != "frequency"}
+        return kept | {"angular_frequency": 2 * math.pi * hertz}
+
+
+class _PeriodicBaseMotion(_Periodic):
     """A motion of the base that consists of waves."""
 
     @property
@@ -103,7 +136,7 @@ class BaseMotion(_PeriodicBaseMotion):
     amplitude: NonNegative
     """Y, m."""
     angular_frequency: Positive
-    """omega, rad/s."""
+    """omega, rad/s; or else frequency, Hz."""
     phase: Finite = 0.0
     """Phase, rad."""
 
@@ -118,7 +151,7 @@ class HarmonicsBaseMotion(_PeriodicBaseMotion):
 
     kind: Literal["harmonics"] = "harmonics"
     angular_frequency: Positive
-    """omega of the fundamental, rad/s: the motion repeats after 2 pi / omega."""
+    """omega of the fundamental, rad/s, or else frequency, Hz: the motion repeats after 2 pi / omega."""
     harmonics: Annotated[tuple[BaseHarmonic, ...], _AtLeastOne, _EachOnce]
     """Tables of multiple, amplitude and phase, each multiple once."""
 
@@ -145,7 +178,7 @@ class StepLoad(Part):
         return self.force
 
 
-class SineLoad(Part):
+class SineLoad(_Periodic):
     """A transverse force at a point, force sin(angular_frequency t + phase), from t = 0 on."""
 
     constant: ClassVar[float] = 0.0
@@ -156,7 +189,7 @@ class SineLoad(Part):
     force: Finite
     """Amplitude, N, positive upwards."""
     angular_frequency: Positive
-    """Angular frequency, rad/s."""
+    """Angular frequency, rad/s; or else frequency, Hz."""
     phase: Finite = 0.0
     """Phase, rad."""
 
@@ -166,7 +199,7 @@ class SineLoad(Part):
         return (Wave(self.force, self.angular_frequency, self.phase),)
 
 
-class HarmonicsLoad(Part):
+class HarmonicsLoad(_Periodic):
     """A transverse force at a point, sum of force sin(multiple angular_frequency t + phase), from t = 0 on."""
 
     constant: ClassVar[float] = 0.0
@@ -175,7 +208,7 @@ class HarmonicsLoad(Part):
     x: Place
     """Position, m, within the beam; of several beams a place, as ``upper:0.3``."""
     angular_frequency: Positive
-    """omega of the fundamental, rad/s: the force repeats after 2 pi / omega."""
+    """omega of the fundamental, rad/s, or else frequency, Hz: the force repeats after 2 pi / omega."""
     harmonics: Annotated[tuple[LoadHarmonic, ...], _AtLeastOne, _EachOnce]
     """Tables of multiple, force and phase, each multiple once."""
 

@@ -16,6 +16,8 @@ _PATHS = 256
 """Number of paths whose keys are cached: about the paths of one campaign."""
 DEEPEST = 20
 """Largest number of keys of a path; no field of a problem lies deeper than five."""
+_OTHER_UNIT = {"frequency": "angular_frequency", "angular_frequency": "frequency"}
+"""Keys of which a table has one, since they are one number in two units: setting one takes the other away."""
 
 
 def override(tables: dict[str, Any], assignment: str) -> None:
@@ -61,6 +63,7 @@ def _assign(here: Any, keys: tuple[str, ...], value: Any, source: str) -> None:
         parts = [below for part in parts for below in _below(part, key, source)]
     for part in parts:
         if isinstance(part, dict):
+            part.pop(_OTHER_UNIT.get(keys[-1], ""), None)
             part[keys[-1]] = value
         else:
             for index in _indices(part, keys[-1], source):

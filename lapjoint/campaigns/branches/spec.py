@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.grid import Axis, Grid, in_radians
 from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
 from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.sweep.spec import MOST_STARTS
@@ -42,9 +42,10 @@ class BranchSpec(Spec):
     """The question of a search: everything on which its branches depend.  The fields are the arguments of
     `lapjoint.branch`.
 
-    `first` and `last` are the ends of the range.  The starts at the ends are always included: at each, the motion from
-    the initial state, and the motion without contact.  `effort` is the limit at each value of the second parameter,
-    `also_over`.  `InputError` is raised if a value is not allowed.
+    `first` and `last` are the ends of the range; those of a ``frequency``, Hz, are kept as angular frequencies, rad/s.
+    The starts at the ends are always included: at each, the motion from the initial state, and the motion without
+    contact.  `effort` is the limit at each value of the second parameter, `also_over`.  `InputError` is raised if a
+    value is not allowed.
     """
 
     noun: ClassVar[str] = "search for branches"
@@ -69,9 +70,13 @@ class BranchSpec(Spec):
         check_integer("max_points", self.max_points, 2, MOST_POINTS)
         check_integer("effort", self.effort, 1, MOST_POINTS)
         check_seed(self.seed)
+        path, radians = in_radians(self.path)
         for name, value in (("from", self.first), ("to", self.last)):
             if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
                 raise InputError(f"{name} = {value!r}: must be a finite number")
+        kept = {"path": path, "first": self.first * radians, "last": self.last * radians}
+        for key, own in kept.items():
+            object.__setattr__(self, key, own)
         if self.first == self.last:
             raise InputError(f"to = {self.last:g}: must differ from {self.first:g}, where the range begins")
         if self.also_over is not None and self.also_over.path == self.axis.path:

@@ -122,3 +122,10 @@ def test_the_frequency_of_all_excitation_keeps_the_whole_multiples(value: float)
 )
 def test_an_axis_of_a_mass_a_step_or_a_load_has_its_unit(path: str, units: str) -> None:
     assert Axis(path, (1.0,)).units == units
+
+
+def test_an_axis_in_hz_is_kept_as_angular_frequencies() -> None:
+    axis = Axis("base_motion.frequency", (1.0, 2.0))
+    assert axis == Axis(FREQUENCY, (2 * math.pi, 4 * math.pi))
+    assert (axis.name, axis.units) == ("angular_frequency", "rad s-1")
+    assert Axis("point_loads[1].frequency", (1.0,)).path == "point_loads.1.angular_frequency"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,14 @@ def test_a_plane_is_written_printed_and_drawn(problem: str) -> None:
     assert found["second"].attrs["units"] == "m s-1"
     assert run_well(*command).startswith("plane.nc: holds these basins already, finished")
     assert run_well("plot", "plane.nc", "-o", "again.pdf") == "Wrote again.pdf\n"
+
+
+def test_a_parameter_in_hz_is_printed_and_drawn_in_hz(problem: str) -> None:
+    over = ("--over", "frequency", "--from", "0.08", "--to", "0.1", "--values", "2")
+    said = run_well("basins", problem, *RANDOM, *over, "--modes", "2", "--out", "over.nc", "--figure", "over.svg")
+    assert "base_motion.frequency = 0.08 Hz" in said
+    assert "frequency [Hz]" in Path("over.svg").read_text()
+    assert read_basins("over.nc").angular_frequency.values.tolist() == [2 * math.pi * 0.08, 2 * math.pi * 0.1]
 
 
 def test_random_starts_along_a_number_are_drawn_as_shares(problem: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +114,24 @@ def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question
     assert_refused(run(*QUIET, "--from-grazes"), "--force")
     assert run(*QUIET, "--from-grazes", "--force").exit_code == 0
     assert int(read_branches("b.nc").attrs["from_grazes"]) == 1
+
+
+def test_a_branch_in_hz_is_that_in_radians() -> None:
+    def found(*over: str, out: str) -> list[float]:
+        command = ("branch", "bar.toml", *over, "--modes", "2", "--no-errors", "--out", out)
+        printed = run_well(*command, "--set", "base_motion.amplitude=1e-4", "--max-points", "200")
+        first, last = re.findall(r"from (\S+) to (\S+);", printed)[0]
+        return [float(first), float(last)]
+
+    radians = found("--from", f"{2 * math.pi}", "--to", f"{2.5 * math.pi}", out="rad.nc")
+    hertz = found("--from", "1", "--to", "1.25", "--hz", out="hz.nc")
+    keyed = found("--over", "base_motion.frequency", "--from", "1", "--to", "1.25", out="keyed.nc")
+    assert hertz == keyed == pytest.approx([1.0, 1.25])
+    assert radians == pytest.approx([2 * math.pi, 2.5 * math.pi], rel=1e-5)
+    assert read_branches("hz.nc").identical(read_branches("keyed.nc"))
+    run_well("plot", "hz.nc", "--hz", "-o", "hz.svg")
+    assert "frequency [Hz]" in Path("hz.svg").read_text()
+    assert_refused(run(*QUIET, "--hz"), "--hz: --over base_motion.amplitude is no angular_frequency; leave it out\n")
 
 
 def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:

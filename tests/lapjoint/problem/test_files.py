@@ -286,7 +286,7 @@ FAULTS: list[tuple[str, str, str]] = [
     (
         "no frequency",
         GOOD + "[base_motion]\namplitude = 1.0",
-        "base_motion.angular_frequency: is missing (omega, rad/s)",
+        "base_motion.angular_frequency: is missing (omega, rad/s; or else frequency, Hz)",
     ),
     (
         "no frequency of harmonics",
@@ -325,6 +325,26 @@ FAULTS: list[tuple[str, str, str]] = [
     ),
     ("broken", GOOD + "length =", "is not valid TOML"),
     ("twice", GOOD + "length = 2.0\nlength = 3.0", "is not valid TOML"),
+    (
+        "two frequencies",
+        harmonics(ONE) + "frequency = 1.0\n",
+        "base_motion: frequency, angular_frequency: give one of them, in Hz or in rad/s",
+    ),
+    (
+        "no frequency in Hz",
+        harmonics(ONE).replace("angular_frequency = 2.0", "frequency = 0.0"),
+        "base_motion: frequency = 0.0: must be greater than 0 and finite, in Hz",
+    ),
+    (
+        "text in Hz",
+        GOOD + '[[point_loads]]\nx = 1.0\nforce = 1.0\nfrequency = "1,5"',
+        'point_loads[0]: frequency = "1,5": must be a number; a point begins the fraction: 1.5',
+    ),
+    (
+        "a frequency of a record",
+        GOOD + "[base_motion]\nkind = 'record'\nquantity = 'velocity'\nvalues = [1, 2]\nrate = 1.0\nfrequency = 1.0",
+        "base_motion.frequency: unknown key",
+    ),
     ("infinity", length("infinity"), "); infinity is written inf"),
     ("infinity in quotes", length('"infinity"'), '= "infinity": must be a number; infinity is written inf, without'),
     ("a decimal comma", stop("1e-3", "0,4e-3  # m"), "); a point begins the fraction: 0.4e-3"),
@@ -354,6 +374,30 @@ def test_a_fault_has_one_line_that_names_it(text: str, message: str, tmp_path: P
     assert message in said
     assert not any(word in said for word in ("pydantic", "http", "function-", "type=", "Input should"))
     assert "\n" not in said or "faults\n" in said
+
+
+@pytest.mark.parametrize(
+    ("kind", "part"),
+    [
+        ("BaseMotion", "[base_motion]\namplitude = 1e-3\nF"),
+        (
+            "HarmonicsBaseMotion",
+            '[base_motion]\nkind = "harmonics"\nharmonics = [{multiple = 2, amplitude = 1e-3}]\nF',
+        ),
+        ("SineLoad", "[[point_loads]]\nx = 1.0\nforce = 1.0\nF"),
+        (
+            "HarmonicsLoad",
+            '[[point_loads]]\nkind = "harmonics"\nx = 1.0\nharmonics = [{multiple = 2, force = 1.0}]\nF',
+        ),
+    ],
+)
+def test_a_frequency_in_hz_is_an_angular_frequency_and_written_as_one(kind: str, part: str) -> None:
+    hertz = from_toml(GOOD + part.replace("\nF", "\nfrequency = 1.25"))
+    assert hertz == from_toml(GOOD + part.replace("\nF", f"\nangular_frequency = {2 * math.pi * 1.25!r}"))
+    assert " frequency" not in to_toml(hertz).replace("\n", " ").replace("angular_frequency = 7.85398163", "")
+    defined = json_schema()["$defs"][kind]
+    assert defined["oneOf"] == [{"required": ["angular_frequency"]}, {"required": ["frequency"]}]
+    assert "Hz" in defined["properties"]["frequency"]["description"]
 
 
 def test_all_faults_of_a_file_are_named_at_once() -> None:

@@ -30,6 +30,14 @@ def test_an_assigned_value_is_toml_or_text(text: str, value: Any) -> None:
     assert toml_value(text) == value
 
 
+def test_a_frequency_is_set_in_either_unit_whatever_the_file_has() -> None:
+    tables = problem_tables(paper_joint())
+    override(tables, "base_motion.frequency=10")
+    assert problem_from_tables(tables).excitation_frequency == 2 * math.pi * 10
+    override(tables, "base_motion.angular_frequency=515")
+    assert problem_from_tables(tables).excitation_frequency == 515
+
+
 def test_values_are_set_by_number_by_name_and_all_at_once() -> None:
     tables = problem_tables(paper_joint())
     for assignment in ("stops[0].gap=1", "stops.P3.gap = 2", "stops.3.gap=3", "stops.*.stiffness=7", "title=new"):
