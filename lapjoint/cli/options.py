@@ -34,6 +34,7 @@ DRAWINGS = {
     "impulses": Drawing("plot_contact_impulses", 0),
     "states": Drawing("plot_contact_states", 0),
     "spectrum": Drawing("plot_spectrum", 1),
+    "psd": Drawing("plot_psd", 1),
 }
 """Figures of a motion by their names on the command line."""
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -188,7 +189,7 @@ answer_options = together(
         "--draw",
         type=click.Choice(list(DRAWINGS)),
         help="Kind of figure: motion (the default), phase portrait, Poincare section, impulses of the contacts, "
-        "contact states over time, or amplitude spectrum.",
+        "contact states over time, amplitude spectrum, or power spectral density (Welch).",
     ),
     click.option("--figure", metavar="FILE", type=FILE, help="Draw the answer to FILE: .png, .svg or .pdf."),
     click.option(
@@ -209,7 +210,7 @@ answer_options = together(
         "--at",
         metavar="x=X,X,..",
         help="Places of --series, of a figure, and of the peaks that steady prints, m.  [default: the stops and the "
-        "free ends; for a spectrum, the place of largest motion]",
+        "free ends; for spectrum and psd, the place of largest motion]",
     ),
     click.option("--series", "series", metavar="FILE", type=FILE, help="Write time series to FILE: .nc or .csv."),
     click.option("--contacts", metavar="FILE", type=FILE, help="Write all contacts to FILE: .csv or .json."),

@@ -10,6 +10,7 @@ from lapjoint.figures.branch_loci import plot_loci
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
 from lapjoint.figures.convergence import plot_convergence
 from lapjoint.figures.curves_together import plot_curves, plot_curves_wide
+from lapjoint.figures.density import plot_psd
 from lapjoint.figures.exceedance import plot_exceedance
 from lapjoint.figures.impulse_curve import plot_curve
 from lapjoint.figures.impulse_curve_wide import plot_curve_wide
@@ -41,6 +42,7 @@ __all__ = [
     "plot_motion",
     "plot_phase_portrait",
     "plot_poincare_section",
+    "plot_psd",
     "plot_spectrum",
     "plot_state_shapes",
     "save",

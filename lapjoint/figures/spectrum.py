@@ -21,6 +21,7 @@ from lapjoint.answers import History
 from lapjoint.errors import InputError
 from lapjoint.figures.sampling import heading, times_drawn
 from lapjoint.figures.style import COLOURS, GREY, THIN, entitle, new_axes, style
+from lapjoint.figures.text import hertz
 from lapjoint.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def plot_spectrum(
     Returns
     -------
     matplotlib.axes.Axes
-        The axes drawn on, angular frequency in rad/s and amplitude in mm.
+        The axes drawn on, frequency in Hz and amplitude in mm.
 
     Raises
     ------
@@ -100,21 +101,21 @@ def plot_spectrum(
     place = most_moved(history) if x is None else history.problem.position(x)
     found = spectrum(history, place, _default_harmonics(history.problem) if harmonics is None else harmonics)
     axes = new_axes(height=2.6) if axes is None else axes
-    omega, amplitude = found.angular_frequencies, 1e3 * found.amplitudes
+    frequency, amplitude = found.angular_frequencies / (2 * math.pi), 1e3 * found.amplitudes
     floor = float(np.max(amplitude)) * 10.0**-DECADES
     where = f"x = {history.problem.line.place(place)} m"
     name = f"{label}, {where}" if label else where
     earlier = [line for line in axes.lines if not str(line.get_label()).startswith(_EXCITATION)]
     colour = COLOURS[len(earlier) % len(COLOURS)]
     if found.periods:
-        axes.plot(omega, amplitude, linestyle="", marker="o", color=colour, label=name)
-        axes.vlines(omega, floor, np.maximum(amplitude, floor), color=colour, linewidth=1.0)
+        axes.plot(frequency, amplitude, linestyle="", marker="o", color=colour, label=name)
+        axes.vlines(frequency, floor, np.maximum(amplitude, floor), color=colour, linewidth=1.0)
     else:
-        axes.plot(omega, amplitude, color=colour, linestyle="-", linewidth=0.9, label=name)
+        axes.plot(frequency, amplitude, color=colour, linestyle="-", linewidth=0.9, label=name)
     _mark_excitation(axes, history.problem.excitation_frequency)
     _scale(axes, amplitude, floor)
-    axes.set_xlim(-0.01 * omega[-1], 1.01 * omega[-1])
-    axes.set_xlabel("angular frequency [rad/s]")
+    axes.set_xlim(-0.01 * frequency[-1], 1.01 * frequency[-1])
+    axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel("amplitude of z [mm]")
     entitle(axes, f"{heading(history)}\n{_how(history, found)}" if label is None else "")
     return axes
@@ -237,9 +238,9 @@ def _amplitudes(z: FloatArray, window: FloatArray) -> FloatArray:
 def _mark_excitation(axes: Axes, omega: float | None) -> None:
     if omega is None:
         return
-    label = f"{_EXCITATION}, {omega:g} rad/s"
+    label = f"{_EXCITATION}, {hertz(omega)} Hz"
     if label not in {str(line.get_label()) for line in axes.lines}:
-        axes.axvline(omega, color=GREY, linewidth=THIN, linestyle=(0, (4, 3)), zorder=1, label=label)
+        axes.axvline(omega / (2 * math.pi), color=GREY, linewidth=THIN, linestyle=(0, (4, 3)), zorder=1, label=label)
 
 
 def _how(history: History, found: Spectrum) -> str:
