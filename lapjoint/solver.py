@@ -206,6 +206,30 @@ def solver_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name for entry in entry_points(group=ENTRY_POINT_GROUP)))
 
 
+def options_of(name: str) -> list[str] | None:
+    """The names of the numerical options of an installed solver.
+
+    Parameters
+    ----------
+    name : str
+        As `make_solver` takes it.
+
+    Returns
+    -------
+    list of str or None
+        The names of the options; None if the solver does not tell them.
+
+    Raises
+    ------
+    InputError
+        If there is no such solver, or it lacks a part.
+    SolverError
+        If it is registered but cannot be loaded.
+    """
+    factory = _factory(name)
+    return [field.name for field in fields(factory)] if is_dataclass(factory) else None
+
+
 def make_solver(name: str, **options: Any) -> Solver:
     """A solver by its name, with its numerical options.
 
@@ -228,8 +252,7 @@ def make_solver(name: str, **options: Any) -> Solver:
     SolverError
         If it is registered but cannot be loaded.
     """
-    factory = _factory(name)
-    allowed = [field.name for field in fields(factory)] if is_dataclass(factory) else None
+    factory, allowed = _factory(name), options_of(name)
     unknown = [] if allowed is None else [option for option in options if option not in allowed]
     if unknown and allowed is not None:
         raise InputError(f"solver {name!r} has no option {unknown[0]!r}; allowed: {', '.join(allowed)}")

@@ -25,7 +25,8 @@ from lapjoint.cli.options import (
 @motion_options
 @click.option("-o", "--out", "directory", required=True, metavar="DIR", type=DIRECTORY, help="Directory of the files.")
 @click.option(
-    "--state", help="Write mode shapes of contact states instead: closed stops (P2+P4), free, 1-9, or all; see --modes."
+    "--state",
+    help="Write mode shapes of contact states instead: closed stops (P2+P4), free, 1-9, or all; see --n-modes.",
 )
 @click.option(
     "--format",

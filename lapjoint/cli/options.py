@@ -53,6 +53,7 @@ class SolverChoice(NamedTuple):
     def numerics(self) -> dict[str, Any]:
         """All numerical options that were given, by their names."""
         from lapjoint.problem.override import toml_value
+        from lapjoint.solver import options_of
 
         chosen: dict[str, Any] = {}
         for option in self.options:
@@ -61,7 +62,15 @@ class SolverChoice(NamedTuple):
                 raise InputError(f"--option {option}: must be key=value")
             chosen[key.strip().replace("-", "_")] = toml_value(value)
         numbers = {"n_modes": self.n_modes, "elements": self.elements}
-        return chosen | {key: number for key, number in numbers.items() if number is not None}
+        given = {key: number for key, number in numbers.items() if number is not None}
+        allowed = options_of(self.name) if given else None
+        for key, number in given.items():
+            if allowed is not None and key not in allowed:
+                raise InputError(
+                    f"--{key.replace('_', '-')} {number}: solver {self.name} has no option {key}; allowed: "
+                    + ", ".join(allowed)
+                )
+        return chosen | given
 
     def make(self) -> Solver:
         """The solver."""
@@ -176,7 +185,7 @@ def solver_options_with(default: str, help_text: str) -> Callable[[Command], Com
             help="Any numerical option of the solver; repeatable.",
         ),
         click.option("--elements", type=int, help="Number of elements of the FE solver."),
-        click.option("--modes", "n_modes", type=int, help="Number of modes of the solver."),
+        click.option("--n-modes", type=int, help="Number of modes of the solver."),
         click.option("--solver", "name", type=SOLVER, default=default, show_default=True, help=help_text),
     )
 

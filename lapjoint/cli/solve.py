@@ -43,7 +43,7 @@ def modes(
     figure: str | None,
     solver: SolverChoice,
 ) -> None:
-    """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --modes says."""
+    """Print natural frequencies of the contact states of PROBLEM, the lowest 6 or as many as --n-modes says."""
     from lapjoint.cli import arguments, printing
     from lapjoint.solver import MODES
 

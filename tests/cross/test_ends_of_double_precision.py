@@ -99,7 +99,7 @@ PROBLEMS: dict[str, dict[str, Any]] = {
     },
 }
 Place = tuple[str | int, ...]
-SOLVERS = {"analytic": ("--modes", "6"), "fe": ("--modes", "6", "--elements", "8")}
+SOLVERS = {"analytic": ("--n-modes", "6"), "fe": ("--n-modes", "6", "--elements", "8")}
 COMMANDS = {"modes": (), "simulate": ("--duration", "0.1"), "steady": ()}
 NO_NUMBER = re.compile(r"(?<![a-z])(nan|inf)(?![a-z])", re.IGNORECASE)
 

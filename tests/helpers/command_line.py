@@ -11,7 +11,7 @@ from lapjoint.cli.main import main
 from lapjoint.problem.files import to_toml
 
 PAPER = "preset:paper"
-FEW = ("--modes", "8")  # the least that is quick; no accuracy is asked of these tests
+FEW = ("--n-modes", "8")  # the least that is quick; no accuracy is asked of these tests
 SIMULATE = ("simulate", PAPER, "--duration", "0.01")
 
 

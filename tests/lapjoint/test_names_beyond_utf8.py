@@ -72,7 +72,7 @@ def test_a_file_that_is_not_there_is_told_whatever_its_folder_is_called(folder: 
     assert_refused(run("modes", folder / "joint.toml"), "cannot be read: No such file")
 
 
-SHORT = ("--no-errors", "--modes", 2, "--duration", 0.02)
+SHORT = ("--no-errors", "--n-modes", 2, "--duration", 0.02)
 
 
 @pytest.mark.parametrize(
@@ -82,10 +82,10 @@ SHORT = ("--no-errors", "--modes", 2, "--duration", 0.02)
         pytest.param("simulate", SHORT, ("--series", f"c{BYTE}.csv"), marks=pytest.mark.thorough),
         pytest.param("simulate", SHORT, ("--series", f"c{BYTE}.nc"), marks=pytest.mark.thorough),
         pytest.param("simulate", SHORT, ("--figure", f"c{BYTE}.svg"), marks=pytest.mark.thorough),
-        pytest.param("modes", ("--modes", 2), ("--json", f"c{BYTE}.json"), marks=pytest.mark.thorough),
-        pytest.param("modes", ("--modes", 2), ("--figure", f"c{BYTE}.png"), marks=pytest.mark.thorough),
+        pytest.param("modes", ("--n-modes", 2), ("--json", f"c{BYTE}.json"), marks=pytest.mark.thorough),
+        pytest.param("modes", ("--n-modes", 2), ("--figure", f"c{BYTE}.png"), marks=pytest.mark.thorough),
         pytest.param(
-            "statistics", ("--modes", 2, "--settle", 0.01), ("--out", f"c{BYTE}.nc"), marks=pytest.mark.thorough
+            "statistics", ("--n-modes", 2, "--settle", 0.01), ("--out", f"c{BYTE}.nc"), marks=pytest.mark.thorough
         ),
     ],
 )
@@ -100,7 +100,7 @@ def test_files_in_such_a_folder_are_read_and_written(
 
 @pytest.mark.thorough
 def test_vtk_cannot_write_there_and_that_is_said(folder: Path) -> None:
-    options = ("--modes", 2, "--duration", 0.02, "--frames", 3)
+    options = ("--n-modes", 2, "--duration", 0.02, "--frames", 3)
     result = run("export", folder / "joint.toml", *options, "--out", folder / "motion")
     assert (result.exit_code, type(result.exception)) == (3, SystemExit)
     assert "has characters that UTF-8 does not hold" in result.stderr.splitlines()[-1]

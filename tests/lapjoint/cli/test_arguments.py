@@ -33,7 +33,7 @@ def test_an_axis_is_a_range_with_both_ends_or_a_list() -> None:
 
 
 def test_the_number_of_modes_is_that_of_its_own_option() -> None:
-    assert SolverChoice("fe", 12, None, ("max-periods=30",)).numerics == {"n_modes": 12, "max_periods": 30}
+    assert SolverChoice("analytic", 12, None, ("max-periods=30",)).numerics == {"n_modes": 12, "max_periods": 30}
     assert SolverChoice("fe", None, 40, ("elements=7",)).numerics == {"elements": 40}
 
 

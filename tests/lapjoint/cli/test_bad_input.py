@@ -22,7 +22,7 @@ def test_many_stops_are_taken_only_when_asked_for(command: str, tmp_path: Path) 
     stop = '[[stops]]\nx = 0.5\nside = "top"\ngap = 0.0\nstiffness = 1.0\n'
     path.write_text(to_toml(paper_joint().replace(stops=())) + 101 * stop)
     assert_refused(run(command, path), "stops: there are 101; more than 100 are taken only with --large")
-    assert run_well("modes", path, "--large", "--modes", "1").startswith("Natural")
+    assert run_well("modes", path, "--large", "--n-modes", "1").startswith("Natural")
 
 
 def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_path: Path) -> None:
@@ -32,7 +32,7 @@ def test_no_name_of_a_file_is_a_command_to_the_terminal_or_the_spreadsheet(tmp_p
     write_problem(with_stops(paper_joint().replace(title=evil), *({"name": name} for name in names)), path)
     results = [
         run("simulate", path, "--duration", "0.03", *FEW, "--contacts", table),
-        run("modes", path, "--modes", "1"),
+        run("modes", path, "--n-modes", "1"),
         run("modes", path, "--state", "nothing"),
         run("modes", path, "--set", f'"{evil}"=1'),
         run("modes", path, "--set", f"stops.{evil}.gap=-1"),
@@ -61,12 +61,12 @@ def test_a_bad_file_is_refused(command: tuple[str, ...], change: str, to: str, m
 
 
 SERIES, FIGURE = (*SIMULATE, "--series", "a.csv"), (*SIMULATE, "--figure", "a.png")
-NOWHERE = ("sweep", PAPER, "--modes", "4")
+NOWHERE = ("sweep", PAPER, "--n-modes", "4")
 OUT = ("--out", "c.nc")
 RANGE = (*OUT, "--from", "1", "--to", "2")
 PLANE, BAR_PLANE = ("basins", PAPER, *OUT, "--plane"), ("basins", PAPER, *OUT, "--plane", "z(0.5),v(0.5)")
 RANDOM = ("basins", PAPER, *OUT, "--energy", "20")
-BRANCH, STATISTICS = ("branch", PAPER, "--modes", "3"), ("statistics", "short.toml", "--modes", "2")
+BRANCH, STATISTICS = ("branch", PAPER, "--n-modes", "3"), ("statistics", "short.toml", "--n-modes", "2")
 MOTIONS = (*STATISTICS, "--duration", "3")
 BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("no such file", ("modes", "missing.toml"), "missing.toml: cannot be read: No such file"),
@@ -78,16 +78,25 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("a deep path", ("modes", PAPER, "--set", f"{'a.' * 3000}b=1"), "is 3001 keys deep; a problem is at most 20"),
     ("a deep list", ("modes", PAPER, "--set", f"stops={'[' * 3000}{']' * 3000}"), "[...: must be a list"),
     ("bad assignment", ("modes", PAPER, "--set", "gap"), "must be key=value"),
-    ("a million modes", ("modes", PAPER, "--modes", "1000000"), "1000000"),
-    ("no modes", ("modes", PAPER, "--modes", "0"), "0"),
-    ("a million FE modes", ("modes", PAPER, "--solver", "fe", "--modes", "1000000"), "1000000"),
-    ("modes in the solver", (*SIMULATE, "--modes", "1000000"), "n_modes = 1000000"),
+    ("a million modes", ("modes", PAPER, "--n-modes", "1000000"), "1000000"),
+    ("no modes", ("modes", PAPER, "--n-modes", "0"), "0"),
+    ("a million FE modes", ("modes", PAPER, "--solver", "fe", "--n-modes", "1000000"), "1000000"),
+    ("modes in the solver", (*SIMULATE, "--n-modes", "1000000"), "n_modes = 1000000"),
     ("negative elements", (*SIMULATE, "--solver", "fe", "--elements", "-1"), "elements = -1"),
     ("unknown state", ("modes", PAPER, "--state", "P7"), "--state P7: there is no such state; allowed: all, free"),
     ("impossible state", ("modes", PAPER, "--state", "P2+P4"), "cannot be closed"),
     ("unknown solver", ("modes", PAPER, "--solver", "magic"), "solver = 'magic' is not installed; allowed: analytic"),
     ("unknown option", (*SIMULATE, "--option", "colour=3"), "has no option 'colour'; allowed: n_modes"),
-    ("option of the other solver", (*SIMULATE, "--elements", "8"), "has no option 'elements'"),
+    (
+        "option of the other solver",
+        (*SIMULATE, "--elements", "8"),
+        "--elements 8: solver analytic has no option elements; allowed: n_modes",
+    ),
+    (
+        "modes of elements",
+        (*SIMULATE, "--solver", "fe", "--n-modes", "10"),
+        "--n-modes 10: solver fe has no option n_modes; allowed: elements",
+    ),
     ("option without a value", (*SIMULATE, "--option", "n_modes"), "must be key=value"),
     ("option of a wrong kind", (*SIMULATE, "--option", "tolerance=tight"), "tolerance = 'tight'"),
     ("series without a file", (*SIMULATE, "--rate", "9"), "--rate: no series is written without --series FILE"),

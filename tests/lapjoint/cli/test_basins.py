@@ -25,7 +25,7 @@ def problem() -> str:
 
 
 def test_a_plane_is_written_printed_and_drawn(problem: str) -> None:
-    command = ("basins", problem, *PLANE, "--modes", "2", "--out", "plane.nc")
+    command = ("basins", problem, *PLANE, "--n-modes", "2", "--out", "plane.nc")
     lines = run_well(*command, "--figure", "plane.png").splitlines()
     assert lines[:2] == ["Wrote plane.nc", "20 starts; share of each motion, with its 95 % interval:"]
     assert any("3 periods, " in line for line in lines)
@@ -41,14 +41,14 @@ def test_a_plane_is_written_printed_and_drawn(problem: str) -> None:
 
 def test_a_parameter_in_hz_is_printed_and_drawn_in_hz(problem: str) -> None:
     over = ("--over", "frequency", "--from", "0.08", "--to", "0.1", "--values", "2")
-    said = run_well("basins", problem, *RANDOM, *over, "--modes", "2", "--out", "over.nc", "--figure", "over.svg")
+    said = run_well("basins", problem, *RANDOM, *over, "--n-modes", "2", "--out", "over.nc", "--figure", "over.svg")
     assert "base_motion.frequency = 0.08 Hz" in said
     assert "frequency [Hz]" in Path("over.svg").read_text()
     assert read_basins("over.nc").angular_frequency.values.tolist() == [2 * math.pi * 0.08, 2 * math.pi * 0.1]
 
 
 def test_random_starts_along_a_number_are_drawn_as_shares(problem: str) -> None:
-    said = run_well("basins", problem, *RANDOM, *OVER, "--modes", "2", "--out", "over.nc", "--figure", "over.svg")
+    said = run_well("basins", problem, *RANDOM, *OVER, "--n-modes", "2", "--out", "over.nc", "--figure", "over.svg")
     assert "base_motion.angular_frequency = 0.53 rad s-1" in said
     assert read_basins("over.nc").branch.shape[0] == 2
     assert "share of the starts" in Path("over.svg").read_text()

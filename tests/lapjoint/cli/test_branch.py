@@ -16,7 +16,7 @@ from lapjoint import write_problem
 from lapjoint.campaigns.branches.table import KINDS, read_branches
 from lapjoint.cli.branch_printing import bifurcation_text, print_branches
 
-OVER = ("branch", "bar.toml", "--over", "base_motion.amplitude", "--modes", "3", "--out", "b.nc")
+OVER = ("branch", "bar.toml", "--over", "base_motion.amplitude", "--n-modes", "3", "--out", "b.nc")
 FOLDS = (*OVER, "--no-errors", "--from", "3e-4", "--to", "4e-4")
 """Over a graze and two folds."""
 QUIET = (*OVER, "--no-errors", "--from", "1e-4", "--to", "1.1e-4")
@@ -118,7 +118,7 @@ def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question
 
 def test_a_branch_in_hz_is_that_in_radians() -> None:
     def found(*over: str, out: str) -> list[float]:
-        command = ("branch", "bar.toml", *over, "--modes", "2", "--no-errors", "--out", out)
+        command = ("branch", "bar.toml", *over, "--n-modes", "2", "--no-errors", "--out", out)
         printed = run_well(*command, "--set", "base_motion.amplitude=1e-4", "--max-points", "200")
         first, last = re.findall(r"from (\S+) to (\S+);", printed)[0]
         return [float(first), float(last)]
@@ -135,7 +135,7 @@ def test_a_branch_in_hz_is_that_in_radians() -> None:
 
 
 def test_motions_that_the_effort_leaves_out_are_told_by_their_number_and_the_status() -> None:
-    over = ("--over", "base_motion.angular_frequency", "--from", "5", "--to", "8", "--modes", "2", "--no-errors")
+    over = ("--over", "base_motion.angular_frequency", "--from", "5", "--to", "8", "--n-modes", "2", "--no-errors")
     hard = ("--max-period-multiple", "2", "--set", "stops.*.stiffness=500", "--set", "base_motion.amplitude=4e-4")
     result = run("branch", "bar.toml", *hard, *over, "--effort", "1", "--out", "b.nc")
     assert result.exit_code == 1, result.output

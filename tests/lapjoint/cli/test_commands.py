@@ -37,7 +37,7 @@ def test_init_writes_the_example_and_overwrites_only_when_told() -> None:
 
 
 def test_modes_prints_every_state_and_writes_all_digits() -> None:
-    printed = run_well("modes", PAPER, "--modes", "3", "--json", "modes.json")
+    printed = run_well("modes", PAPER, "--n-modes", "3", "--json", "modes.json")
     assert len(printed.splitlines()) == 10
     states = json.loads(Path("modes.json").read_text())["states"]
     joint = paper_joint()
@@ -49,7 +49,7 @@ def test_modes_prints_every_state_and_writes_all_digits() -> None:
 
 @pytest.mark.parametrize("state", ["6", "P2+P3", "P3 + P2"])
 def test_a_state_is_chosen_by_number_or_by_names(state: str) -> None:
-    printed = run_well("modes", PAPER, "--state", state, "--modes", "2", "--figure", "shapes.svg")
+    printed = run_well("modes", PAPER, "--state", state, "--n-modes", "2", "--figure", "shapes.svg")
     assert printed.splitlines()[1].startswith("6  P2 + P3")
     assert Path("shapes.svg").exists()
 
@@ -120,10 +120,10 @@ def test_an_answer_is_drawn_in_the_way_chosen(drawing: str) -> None:
 
 def test_the_shapes_of_all_states_are_drawn_in_one_figure() -> None:
     figure = Path("shapes.svg")
-    run_well("modes", PAPER, "--modes", "2", "--figure", figure)
+    run_well("modes", PAPER, "--n-modes", "2", "--figure", figure)
     titles = ("State 1:", "States 2, 4:", "States 3, 5:", "States 6, 7, 8, 9:", "natural frequency [rad/s]")
     assert all(text in figure.read_text() for text in titles)
-    printed = run_well("modes", PAPER, "--modes", "2", "--figure", figure, "--hz", "--state", "free")
+    printed = run_well("modes", PAPER, "--n-modes", "2", "--figure", figure, "--hz", "--state", "free")
     assert "natural frequency [Hz]" in figure.read_text()
     assert f"1: {float(printed.splitlines()[1].split()[-2]):.4g}" in figure.read_text()
 
@@ -171,7 +171,7 @@ def test_export_puts_another_solver_beside_at_the_times_given() -> None:
 
 
 def test_export_writes_the_mode_shapes_of_all_states() -> None:
-    printed = run_well("export", PAPER, "-o", ".", "--state", "all", "--modes", "2", "--format", "vtkhdf")
+    printed = run_well("export", PAPER, "-o", ".", "--state", "all", "--n-modes", "2", "--format", "vtkhdf")
     assert len(printed.splitlines()) == 9
     assert Path("modes_6_P2+P3.vtkhdf").is_file()
 
@@ -204,13 +204,13 @@ def test_show_says_what_it_wrote(output: str, monkeypatch: pytest.MonkeyPatch) -
 )
 def test_stops_whose_names_hold_a_plus_are_chosen(text: str, expected: str) -> None:
     path = with_stops_named("a", "b", "a+b", "c+d", "free")
-    result = run("modes", path, "--state", text, "--modes", "2")
+    result = run("modes", path, "--state", text, "--n-modes", "2")
     if result.exit_code:
         assert_refused(result, expected)
     else:
         line = result.stdout.splitlines()[1]
         assert line.startswith(expected)
-        free = run_well("modes", path, "--state", "free", "--modes", "2").split()[-1]
+        free = run_well("modes", path, "--state", "free", "--n-modes", "2").split()[-1]
         assert (line.split()[-1] == free) == (text == "free")
 
 
@@ -223,7 +223,7 @@ def with_stops_named(*names: str) -> str:
 
 def test_frequencies_in_hz_and_within_the_width_of_a_terminal() -> None:
     path = Path("modes.json")
-    slow = run_well("modes", PAPER, "--modes", "9", "--hz", "--json", path)
+    slow = run_well("modes", PAPER, "--n-modes", "9", "--hz", "--json", path)
     assert slow.startswith("Natural frequencies [Hz]")
     assert max(len(line) for line in slow.splitlines()) <= 80
     free = json.loads(path.read_text())["states"][0]
@@ -233,7 +233,7 @@ def test_frequencies_in_hz_and_within_the_width_of_a_terminal() -> None:
 
 
 def test_many_states_are_cut_and_it_says_how_to_see_the_rest() -> None:
-    printed = run_well("modes", with_stops_named(*(f"s{i}" for i in range(1, 7))), "--modes", "1")
+    printed = run_well("modes", with_stops_named(*(f"s{i}" for i in range(1, 7))), "--n-modes", "1")
     assert len(printed.splitlines()) == 34
     assert "... and 32 more states (--json writes all, --state prints one)" in printed
 

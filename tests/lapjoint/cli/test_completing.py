@@ -41,7 +41,7 @@ def test_the_script_for_each_shell_is_made_as_the_page_says(shell: str) -> None:
 def test_commands_options_and_choices_are_offered() -> None:
     assert {("plain", "steady"), ("plain", "sweep"), ("plain", "statistics")} <= set(offered(begun="s"))
     assert offered("steady", begun="--sol") == [("plain", "--solver")]
-    assert offered("steady", "--draw", begun="p") == [("plain", "phase"), ("plain", "poincare")]
+    assert offered("steady", "--draw", begun="p") == [("plain", "phase"), ("plain", "poincare"), ("plain", "psd")]
 
 
 def test_problems_files_solvers_and_cases_are_offered() -> None:

@@ -12,8 +12,8 @@ from command_line import run_well
 from lapjoint import figures
 from lapjoint.cli.options import DRAWINGS
 
-SIMULATE = ("simulate", "preset:paper", "--modes", "3", "--duration", "0.02", "--no-errors")
-STEADY = ("steady", "preset:paper", "--modes", "3", "--no-errors")
+SIMULATE = ("simulate", "preset:paper", "--n-modes", "3", "--duration", "0.02", "--no-errors")
+STEADY = ("steady", "preset:paper", "--n-modes", "3", "--no-errors")
 
 
 @pytest.mark.parametrize(

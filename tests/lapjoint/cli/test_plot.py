@@ -60,17 +60,17 @@ def test_several_sweeps_are_drawn_in_one_figure_and_their_peaks_and_jumps_are_pr
 
 
 def test_a_second_parameter_and_several_starts() -> None:
-    grid = ("--over", "stops.*.gap=1e-3,2e-3", "--modes", "4", "--out")
+    grid = ("--over", "stops.*.gap=1e-3,2e-3", "--n-modes", "4", "--out")
     run_well("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", *grid, "grid.nc")
     said = run_well("plot", "grid.nc")
     assert said.index("gap (all stops) = 0.001 m") < said.index("gap (all stops) = 0.002 m")
-    run_well("sweep", PAPER, "--over", "damping.ratio=0.1", "--starts", "2", "--modes", "4", "--out", "starts.nc")
+    run_well("sweep", PAPER, "--over", "damping.ratio=0.1", "--starts", "2", "--n-modes", "4", "--out", "starts.nc")
     assert "several starts at a point make no curve" in run_well("plot", "starts.nc")
     assert_refused(run("plot", "starts.nc", "grid.nc"), "grid: is over angular_frequency and stops_all_gap", 1)
 
 
 def test_statistics_are_drawn_and_how_often_contacts_exceed_a_limit_is_printed() -> None:
-    run_well("statistics", PAPER, "--duration", "3", "--modes", "2", "--out", "stats.nc")
+    run_well("statistics", PAPER, "--duration", "3", "--n-modes", "2", "--out", "stats.nc")
     said = run_well("plot", "stats.nc", "--variable", "peak_force", "--limit", "peak_force=1").splitlines()
     assert said[0] == "Wrote stats.pdf"
     assert said[2] == "Contacts a second beyond the limit of 1 N, and their 95 % interval"

@@ -15,7 +15,7 @@ import pytest
 from lapjoint.compiled.compiling import MESSAGE
 
 START = (sys.executable, "-c", "import sys; from lapjoint.cli.start import main; main()")
-SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--modes", "3")
+SIMULATE = ("simulate", "preset:sdnl104", "--duration", "0.002", "--n-modes", "3")
 IMPORT = """
 import builtins
 real = builtins.__import__
@@ -108,7 +108,7 @@ def limited(room: int) -> None:
 
 WRITERS: list[tuple[str, tuple[str, ...]]] = [
     ("a.toml", ("init", "a.toml", "--force")),
-    ("a.json", ("modes", "preset:sdnl104", "--modes", "3", "--json", "a.json")),
+    ("a.json", ("modes", "preset:sdnl104", "--n-modes", "3", "--json", "a.json")),
     ("a.csv", (*SIMULATE, "--contacts", "a.csv")),
     ("a.svg", (*SIMULATE, "--figure", "a.svg")),
     ("motion.pvd", ("export", *SIMULATE[1:], "-o", ".", "--frames", "2", "--points", "3")),
@@ -145,7 +145,7 @@ def test_a_file_that_does_not_fit_leaves_the_one_that_was_there(here: Path, comp
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
 @pytest.mark.parametrize(
-    "command", [("schema",), pytest.param(("modes", "preset:sdnl104", "--modes", "3"), marks=pytest.mark.thorough)]
+    "command", [("schema",), pytest.param(("modes", "preset:sdnl104", "--n-modes", "3"), marks=pytest.mark.thorough)]
 )
 def test_standard_output_on_a_full_disk_is_one_line(command: tuple[str, ...]) -> None:
     with open("/dev/full", "w") as full:

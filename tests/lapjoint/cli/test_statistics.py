@@ -18,7 +18,7 @@ from lapjoint.problem.random_motion import RandomBaseMotion
 from lapjoint.problem.records import RecordBaseMotion
 from lapjoint.summaries.statistics_blocks import quantiles
 
-STATISTICS = ("statistics", "--modes", "2")
+STATISTICS = ("statistics", "--n-modes", "2")
 SHAKEN = unit_cantilever(
     Stop(name="a stop whose name is longer than its column", x=1.0, side="top", gap=1e-4, stiffness=1e4),
     Stop(name="far", x=0.5, side="bottom", gap=0.01, stiffness=1e4),
@@ -77,7 +77,7 @@ def test_the_offset_and_the_trend_of_a_record_are_said_as_simulate_says_them() -
     values = 2.0 + 0.5 * np.arange(0.0, 2.0, 0.01) + np.sin(20 * np.arange(0.0, 2.0, 0.01))
     record = RecordBaseMotion(quantity="acceleration", values=values, rate=100.0, remove="offset")
     write_problem(SHAKEN.replace(base_motion=record), "offset.toml")
-    simulated = " ".join(run_well("simulate", "offset.toml", "--modes", "2", "--no-errors").split())
+    simulated = " ".join(run_well("simulate", "offset.toml", "--n-modes", "2", "--no-errors").split())
     counted = " ".join(run_well(*STATISTICS, "offset.toml").split())
     (said,) = re.findall(r"base_motion: record of acceleration, .* removed: offset", simulated)
     assert said in counted

@@ -22,7 +22,7 @@ from lapjoint.errors import SolverError
 from lapjoint.files.plain_text import duration_text
 from lapjoint.solver import Progress
 
-SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--modes", "4", "--out", "curve.nc")
+SWEEP = ("sweep", PAPER, "--from", "500", "--to", "520", "--step", "10", "--n-modes", "4", "--out", "curve.nc")
 
 
 def test_sweep_writes_a_dataset_and_plot_draws_it() -> None:
@@ -42,7 +42,7 @@ def test_sweep_writes_a_dataset_and_plot_draws_it() -> None:
 
 
 def test_a_sweep_needs_no_frequencies() -> None:
-    run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--modes", "4", "--out", "curve.nc")
+    run_well("sweep", PAPER, "--over", "damping.ratio=0.1,0.08", "--start", "up", "--n-modes", "4", "--out", "curve.nc")
     assert read_curve("curve.nc").damping_ratio.values.tolist() == [0.1, 0.08]
 
 

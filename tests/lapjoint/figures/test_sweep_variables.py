@@ -25,7 +25,7 @@ NAMES = ("stress_peak", "displacement_rms", "force_peak", "contact_time")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sweep in Hz, over gaps too, with further variables."""
     path = tmp_path_factory.mktemp("sweep") / "curve.nc"
-    swept = ("--from", "80", "--to", "82", "--hz", "--over", "stops.*.gap=1e-3,2e-3", "--modes", "4")
+    swept = ("--from", "80", "--to", "82", "--hz", "--over", "stops.*.gap=1e-3,2e-3", "--n-modes", "4")
     run_well("sweep", PAPER, *swept, "--summary", ",".join(NAMES), "--out", path)
     return path
 

@@ -54,7 +54,7 @@ def test_a_single_march_says_how_far_it_has_come() -> None:
 def test_killed_at_once_they_resume_with_the_same_bits(whole: xr.Dataset, tmp_path: Path) -> None:
     out, problem = tmp_path / "stats.nc", tmp_path / "noisy.toml"
     write_problem(SHAKEN, problem)
-    command = ["statistics", str(problem), "--duration", "1.5", "--seeds", "4", "--modes", "2", "--out", str(out)]
+    command = ["statistics", str(problem), "--duration", "1.5", "--seeds", "4", "--n-modes", "2", "--out", str(out)]
     killed_at_work(["-m", "lapjoint", *command, "--workers", "2"], out, 1)
     xr.testing.assert_identical(statistics(SHAKEN, seeds=4, out=out, **GIVEN), whole)
 
