@@ -3,20 +3,53 @@
 While a damped stop stays closed its force may sink to almost nothing and rise again.  Whether the force ends in between
 makes one contact of two, and changes their impulses at once by whole parts.  It is the sign of a least value of
 k d + c d' that decides, and where this value is smaller than its own numerical error, the resolution does not decide.
+
+An orbit is known in closed form between its switches, which gives every least value.  Any other motion is sampled.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
 from lapjoint.answers.history import History
+from lapjoint.compiled.by_reference import in_c_order
+from lapjoint.orbits.compiled_extrema import gap_extrema
+from lapjoint.orbits.compiled_intervals import IndexArray, Stops
+from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.refinement import Refinement
+from lapjoint.orbits.segments import Segments
+from lapjoint.orbits.watch import awake_rows, motion_at, row_of, rows_of
 from lapjoint.problem import FloatArray
+from lapjoint.problem.supports_and_stops import PlacedStop
 
 _SAMPLES = 128
 """Times at which the force is looked at between two of its switches.  What is lost in a shorter dip, 1/64 of a contact,
 is found by the difference of the two motions alone."""
+
+
+def undecided_breaks_of_orbit(orbit: Orbit, finer: Orbit, refinement: Refinement) -> FloatArray:
+    """`undecided_breaks` of an orbit; `finer` is the orbit at the finer resolution, of as many half periods."""
+    half_periods = orbit.last.half_periods
+    stops = half_periods.map.problem.structure.stops
+    gaps = np.array(_may_break(stops), dtype=np.intp)
+    if not gaps.size:
+        return np.zeros((2, 0))
+    motions = Segments.of(orbit.last.linearised.segments), finer.last.linearised.motion
+    dips = [_dips(motion, stops, gaps) for motion in motions]
+    time, which = (np.concatenate(part) for part in zip(*dips, strict=True))
+    inside = motions[0].closed[_segments_at(motions[0], time), gaps[which]]
+    time, stop = time[inside], gaps[which[inside]]
+    own, other = (_forces_of(motion, stops, stop, time) for motion in motions)
+    uncertain = _uncertain(own, other, refinement)
+    time, stop = time[uncertain], stop[uncertain]
+    if orbit.symmetric:  # the other half of the motion is the mirror image
+        half = orbit.half_periods * half_periods.map.period / 2
+        time, stop = np.concatenate([time, time + half]), np.concatenate([stop, np.array(half_periods.twins)[stop]])
+    order = np.lexsort((stop, time))
+    return np.array([time[order], stop[order]])
 
 
 def undecided_breaks(history: History, finer: History, refinement: Refinement) -> FloatArray:
@@ -24,7 +57,7 @@ def undecided_breaks(history: History, finer: History, refinement: Refinement) -
 
     `finer` is the motion at the finer resolution, at the same times.
     """
-    stops = [k for k, stop in enumerate(history.problem.structure.stops) if stop.damping > 0 and not stop.may_pull]
+    stops = _may_break(history.problem.structure.stops)
     times = [_times(history, k) for k in stops]
     found, at = [], np.cumsum([0, *(t.size for t in times)])
     if at[-1]:
@@ -57,6 +90,47 @@ def cut(history: History, breaks: FloatArray) -> npt.NDArray[np.bool_]:
     return found
 
 
+def _may_break(stops: Sequence[PlacedStop]) -> list[int]:
+    """The stops whose force may end before their gap opens."""
+    return [k for k, stop in enumerate(stops) if stop.damping > 0 and not stop.may_pull]
+
+
+def _dips(motion: Segments, stops: Sequence[PlacedStop], gaps: IndexArray) -> tuple[FloatArray, IndexArray]:
+    """Times, s, of the least values of the forces of the stops `gaps`, ``(R,)``, while these are closed, and the index
+    of each among `gaps`, ``(m,)`` each.
+
+    A force has no least value where it begins or ends: where its own row or that of its gap switches.
+    """
+    rows, every = _force_rows(stops, gaps), rows_of(stops)
+    forces = Stops._make(part[rows] for part in every)._replace(place=np.arange(rows.size))
+    which, time, _, highest = gap_extrema(motion_at(motion, rows), in_c_order(forces))
+    least = awake_rows(stops, motion.closed)[_segments_at(motion, time), rows[which]] & ~highest
+    for i, own in enumerate(zip(rows.tolist(), gaps.tolist(), strict=True)):
+        least &= (which != i) | ~np.isin(time, motion.end[np.isin(motion.switched, own)])
+    return time[least], which[least]
+
+
+def _force_rows(stops: Sequence[PlacedStop], of: IndexArray) -> IndexArray:
+    """The rows of `lapjoint.orbits.watch.rows_of` of the forces of some damped stops, ``(m,)``."""
+    return np.array([row_of(stops, ~k) for k in of.tolist()], dtype=np.intp)
+
+
+def _segments_at(motion: Segments, t: FloatArray) -> IndexArray:
+    """The index of the segment at each time, s, ``(m,)``: where several begin, the last."""
+    return np.maximum(np.searchsorted(motion.start, t, side="right") - 1, 0)
+
+
+def _forces_of(motion: Segments, stops: Sequence[PlacedStop], stop: IndexArray, t: FloatArray) -> FloatArray:
+    """k d + c d', N, of a stop at each time, s, ``(m,)`` each."""
+    row, s = _force_rows(stops, stop), _segments_at(motion, t)
+    tau = t - motion.start[s]
+    waves = motion.amplitudes[s] * np.exp(motion.rates[s] * tau[:, None])
+    z = (motion.weights[s, row] * waves).real.sum(axis=1)
+    z += (motion.polynomial[s, row] * tau[:, None] ** np.arange(3)).sum(axis=1)
+    sign, gap, k = (np.array([getattr(it, name) for it in stops])[stop] for name in ("sign", "gap", "stiffness"))
+    return np.asarray(k * (sign * z - gap))
+
+
 def _times(history: History, stop: int) -> FloatArray:
     """Times between two switches of the force of a stop while it is closed, s, one column each: ``(S, pieces)``."""
     closed = np.array([stop in state for state in history.states])
@@ -70,12 +144,17 @@ def _times(history: History, stop: int) -> FloatArray:
 
 def _breaks(t: FloatArray, own: FloatArray, other: FloatArray, refinement: Refinement) -> list[float]:
     """Times of least values of which the sign is not certain, s, of two motions' forces, N; all ``(S, pieces)``."""
-    apart = np.abs(own - other)
-    uncertain = np.abs(own) <= refinement.bounds(apart, apart, dt=1)
+    uncertain = _uncertain(own, other, refinement)
     least = np.zeros(t.shape, dtype=bool)
     for force in (own, other):
         least[1:-1] |= (force[1:-1] <= force[:-2]) & (force[1:-1] <= force[2:])
     return [float(it) for it in t[least & uncertain]]
+
+
+def _uncertain(own: FloatArray, other: FloatArray, refinement: Refinement) -> npt.NDArray[np.bool_]:
+    """Whether the sign of each force, N, is uncertain, by the force of the finer motion at the same time."""
+    apart = np.abs(own - other)
+    return np.asarray(np.abs(own) <= refinement.bounds(apart, apart, dt=1))
 
 
 def _forces(history: History, t: FloatArray) -> FloatArray:

@@ -21,7 +21,7 @@ from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
 from lapjoint.orbits.contact_errors import differences, with_errors, without_broken, without_contact_errors
-from lapjoint.orbits.force_breaks import cut, undecided_breaks
+from lapjoint.orbits.force_breaks import cut, undecided_breaks_of_orbit
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
@@ -81,7 +81,8 @@ def orbit_errors(orbit: Orbit, history: History, finer: Callable[[], FinerMap]) 
     impulses = _impulse_errors(orbit, history, finer_history, other.refinement, floor)
     energies = _energy_errors(orbit, history, finer_history, other.refinement, floor, impulses)
     source = f"compared with {name}"
-    history = _with_contact_errors(history, finer_history, other.refinement, floor)
+    breaks = undecided_breaks_of_orbit(orbit, found, other.refinement)
+    history = _with_contact_errors(history, finer_history, other.refinement, floor, breaks)
     comparison = Comparison(finer_history, other.refinement.bounds, floor)
     return OrbitErrors(impulses, energies, replace(history, error_source=source), source, comparison)
 
@@ -153,11 +154,13 @@ def _clear(
     return np.asarray(distance > refinement.bounds(apart, apart))
 
 
-def _with_contact_errors(history: History, finer: History, refinement: Refinement, floor: float) -> History:
-    """The motion with the errors of its contacts; `floor` is relative."""
+def _with_contact_errors(
+    history: History, finer: History, refinement: Refinement, floor: float, breaks: FloatArray
+) -> History:
+    """The motion with the errors of its contacts; `floor` is relative, and `breaks` are those of `undecided_breaks`."""
     period = history.end - history.start
     whole, number = _whole(history)
-    broken, of_whole = cut(history, undecided_breaks(history, finer, refinement)), np.eye(len(whole), dtype=bool)
+    broken, of_whole = cut(history, breaks), np.eye(len(whole), dtype=bool)
     found = without_broken(differences(whole, _whole(finer)[0], period), broken @ of_whole[number])
     start, impulse, peak, dissipated = (
         refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)), dt=dt)

@@ -6,12 +6,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_joints import DAMPED
+from refining import AnySolver
 
+import analytic
+import fe_lapjoint
 from lapjoint import History, Stop
 from lapjoint.answers import Contact
 from lapjoint.answers.contact_state import ContactState
+from lapjoint.orbits import orbit_errors
 from lapjoint.orbits.contact_errors import with_contact_errors
-from lapjoint.orbits.force_breaks import cut, undecided_breaks
+from lapjoint.orbits.force_breaks import cut, undecided_breaks, undecided_breaks_of_orbit
+from lapjoint.orbits.newton import Orbit
 from lapjoint.orbits.refinement import Refinement
 from lapjoint.problem import FloatArray
 from tests.helpers.beams import unit_cantilever
@@ -77,3 +83,29 @@ def test_an_uncertain_break_leaves_the_energy_of_the_whole_motion_known() -> Non
     found = with_contact_errors(dipping(0.01), TWICE, lambda: dipping(0.02)).dissipated_errors()
     assert found is not None
     assert np.isfinite(found).all()
+
+
+@pytest.mark.parametrize(
+    "solver", [analytic.Solver(), pytest.param(fe_lapjoint.Solver(elements=8), marks=pytest.mark.thorough)]
+)
+@pytest.mark.parametrize(("index", "certain"), [(2, True), (7, False)])
+def test_the_closed_form_of_an_orbit_shows_the_breaks_that_samples_show(
+    solver: AnySolver, index: int, certain: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = list[tuple[FloatArray, Refinement]]()
+
+    def listened(orbit: Orbit, finer: Orbit, refinement: Refinement) -> FloatArray:
+        told.append((undecided_breaks_of_orbit(orbit, finer, refinement), refinement))
+        return told[-1][0]
+
+    monkeypatch.setattr(orbit_errors, "undecided_breaks_of_orbit", listened)
+    steady = solver.steady_state(DAMPED(31415, index), sensitivity=False)
+    ((exact, refinement),) = told
+    assert steady.comparison is not None
+    sampled = undecided_breaks(steady.history, steady.comparison.history, refinement)
+    assert np.all(cut(steady.history, exact) >= cut(steady.history, sampled))
+    if certain:
+        assert not exact.size
+    spacing = steady.history.end - steady.history.start
+    for t in sampled[0].tolist():
+        assert np.abs(exact[0] - t).min() <= 0.01 * spacing
