@@ -14,6 +14,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait as ready_of
+from multiprocessing.synchronize import Barrier
 from typing import Any, TypeVar
 
 from lapjoint.errors import SolverError
@@ -71,10 +72,11 @@ def standing_pool(workers: int) -> Iterator[StandingPool]:
 
 def new_pool(workers: int) -> ProcessPoolExecutor:
     """A pool whose processes are known to start, anew and deaf to Ctrl-C, else a `SolverError`; `end_pool` ends it."""
+    context = multiprocessing.get_context("spawn")
     for _ in range(MOST_STARTS):
-        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
+        pool = ProcessPoolExecutor(workers, context, _begin, (context.Barrier(workers),))
         try:
-            with interrupts_held():  # a process starts when a task finds none that is idle: all of them, now
+            with interrupts_held():  # a process starts when a task finds none idle, and none is before all have started
                 ready = {pool.submit(_ready) for _ in range(workers)}
             while ready:
                 for one in (done := first_finished(pool, ready)):
@@ -134,8 +136,8 @@ def interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _begin() -> None:
-    """In a new process: leave Ctrl-C to the parent, and end with it however it ends."""
+def _begin(all_started: Barrier) -> None:
+    """In a new process: leave Ctrl-C to the parent, end with it however it ends, and wait for the other processes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -145,6 +147,7 @@ def _begin() -> None:
         os._exit(1)
 
     threading.Thread(target=end_with_parent, daemon=True).start()
+    all_started.wait()
 
 
 def _ready() -> None:

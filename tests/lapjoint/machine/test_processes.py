@@ -13,11 +13,12 @@ import time
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from typing import Any
 
 import pytest
 from counting_solver import tear
 
-from lapjoint.machine.processes import first_finished, process_pool, standing_pool
+from lapjoint.machine.processes import end_pool, first_finished, new_pool, process_pool, standing_pool
 
 LONG = 600.0  # s: longer than any of these tests may take
 BUSY = """
@@ -81,13 +82,27 @@ def test_ctrl_c_in_a_terminal_gives_one_traceback_and_leaves_no_process(tmp_path
     assert said.rstrip().endswith("KeyboardInterrupt")
 
 
-def test_all_processes_have_started_when_the_pool_is_given() -> None:
-    """Those that started later would meet Ctrl-C before they can ignore it."""
-    with process_pool(3) as pool:
+def test_all_processes_have_started_when_the_pool_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that started later would meet Ctrl-C before they can ignore it.
+
+    On a busy machine the first process may wait for work before the last task is submitted.
+    """
+    submit = ProcessPoolExecutor.submit
+
+    def slowly(*task: Any, **more: Any) -> Any:
+        time.sleep(0.7)
+        return submit(*task, **more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ProcessPoolExecutor, "submit", slowly)
+        pool = new_pool(3)
+    try:
         before = multiprocessing.active_children()
         assert len(before) == 3
         assert list(pool.map(abs, range(12))) == list(range(12))
         assert set(multiprocessing.active_children()) == set(before)
+    finally:
+        end_pool(pool)
 
 
 def test_tasks_that_are_cancelled_as_the_pool_ends_raise_nothing_in_its_thread(monkeypatch: pytest.MonkeyPatch) -> None:
