@@ -49,9 +49,10 @@ def enter(tables: Tables, frozen: Frozen | None, ramps: RampTables | None, motio
             ramps.goes_on[0] = False
         motion.counts[SLOT], motion.counts[PENDING] = target, NO_SWITCH
         motion.last_switch[stop] = motion.time[0]
-        for row in range(tables.owner.size):
-            if tables.owner[row] == stop:
-                motion.last_switch[row] = motion.time[0]
+        if tables.owner is not None:
+            for row in range(tables.owner.size):
+                if tables.owner[row] == stop:
+                    motion.last_switch[row] = motion.time[0]
     return True
 
 

@@ -40,6 +40,8 @@ def energies_of(tables: Tables, log: Log, delay: FloatArray) -> tuple[FloatArray
     where rigid-body modes drift.
     """
     energy, rounding, most = zeros(log.area.shape), zeros(log.area.shape), tables.root.shape[1] + tables.omega.size
+    if tables.owner is None:
+        return energy, rounding
     theta, drift = complex_zeros(tables.omega.size), zeros((tables.constant.shape[1], 3))
     term, poly = complex_zeros(tables.root.shape[1]), zeros((tables.kind.shape[1], 3))
     rate, wave, speed = complex_zeros(most), complex_zeros(most), complex_zeros(most)

@@ -133,7 +133,7 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
             for k in range(tables.sign.size):
                 weight = tables.weight[slot, tables.position[k], i]
                 by_rate = 0.0
-                if tables.owner.size > 0:
+                if tables.owner is not None:
                     weight = tables.gradient[slot, tables.position[k], 0, i]
                     by_rate = tables.gradient[slot, tables.position[k], 1, i]
                 for j in range(now.shape[1]):

@@ -295,7 +295,7 @@ class Joint:
 
     def index_of(self, row: int) -> int:
         """The index of `ContactState.toggled` of a switch of a row of the tables."""
-        owner = int(self.tables.owner[row]) if self.damped else -1
+        owner = -1 if self.tables.owner is None else int(self.tables.owner[row])
         return row if owner < 0 else ~owner
 
     def _connect_whole(self, slot: int, target: int, stop: int, row: int) -> None:

@@ -129,7 +129,7 @@ def start_on_ramps(
             slope += pull[0] * g
         body[b, 0], body[b, 1], body[b, 2] = x, y, force - drag * y
         body[b, 3] = slope - drag * body[b, 2]
-    if tables.own[slot] > 0:
+    if tables.owner is not None and tables.own[slot] > 0:
         write_copies(tables, slot, term)
 
 
@@ -243,7 +243,7 @@ def carried_on_ramps(
     """Write the coordinates that the march carries on from `t`, s: q, kg^1/2 m, and v, kg^1/2 m/s, ``(N,)`` each."""
     state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 0, q)
     state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 1, v)
-    if tables.own[slot] > 0:
+    if tables.owner is not None and tables.own[slot] > 0:
         for r in range(ramps.gain.shape[1]):
             _, g, _, _ = load_at(ramps, j, r, t)
             for i in range(tables.modes[slot]):
@@ -299,7 +299,7 @@ def carry_ramps(
     for r in range(ramps.gain.shape[1]):
         f, g, _, _ = load_at(ramps, j, r, t)
         for i in range(tables.modes[tables.next_slot[slot, stop]]):
-            if tables.owner.size > 0:
+            if tables.owner is not None:
                 whole = tables.whole_load[row, 1 + harmonics + r]
                 q[i] += f * whole[0, i].real + g * whole[0, i].imag
                 v[i] += f * whole[1, i].real + g * whole[1, i].imag

@@ -121,10 +121,10 @@ def follow(
         if ramps is not None:
             until, width, whole = up_to_knot(ramps, j, base, end)
             polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
-        if tables.own[slot] == 0:
-            bound_tails(tables.weight[slot], term, terms, tail)
-        else:
+        if tables.owner is not None and tables.own[slot] > 0:
             _bound_twisted_tails(tables, slot, term, tail)
+        else:
+            bound_tails(tables.weight[slot], term, terms, tail)
         put(theta0, theta)
         for k in range(terms):
             term0[k] = term[k]
@@ -134,7 +134,7 @@ def follow(
         if which == NO_PROGRESS:
             motion.time[0], motion.counts[PENDING] = base + s, which
             return
-        if tables.own[slot] > 0:
+        if tables.owner is not None and tables.own[slot] > 0:
             write_copies(tables, slot, term)
         if ramps is not None and whole and which == NO_SWITCH:
             turn_whole(tables, ramps, slot, theta0, term0, theta, term)
@@ -206,7 +206,7 @@ def search(
     twist, idle = tables.twist[slot], tables.idle[slot]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
-    first, ramps_go_on = 0, rigid is not None and not beginning and tables.owner.size > 0
+    first = 0
     while True:
         # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
         at_positions(forced, idle, omega, s, theta, drift, out)
@@ -218,7 +218,7 @@ def search(
             for u in range(positions):
                 if idle[u]:
                     continue
-                if twisted:
+                if tables.owner is not None and twisted:
                     z, z1, z2, b3 = add_twisted(weight[u], twist[u], term, root, summed, want)
                 else:
                     z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
@@ -252,8 +252,9 @@ def search(
             h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
             value = min(h - shift[k] + tail[u, summed], 0.0)
             bound = first_root_of_bound(value, h1, h2, b3, tau)
-            if ramps_go_on and s == 0 and tables.owner[k] >= 0 and summed == terms and h > shift[k]:
-                bound = 0.0  # where a load has a knot, the velocities that the modes leave out jump
+            if tables.owner is not None and rigid is not None and s == 0 and not beginning:
+                # where a load has a knot, the velocities that the modes leave out jump
+                bound = 0.0 if tables.owner[k] >= 0 and summed == terms and h > shift[k] else bound
             if bound < tau:
                 tau, which, rate = bound, k, h1
                 there = summed == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
@@ -275,7 +276,7 @@ def search(
                 at_positions(forced, idle, omega, s, theta, drift, out)
                 if rigid is not None:
                     add_rigid(rigid, s, out)
-                if twisted:
+                if tables.owner is not None and twisted:
                     rate = orientation * out[u, 1]
                     rate += orientation * add_twisted(weight[u], twist[u], term, root, np.int64(0), terms)[1]
                 else:
@@ -295,7 +296,7 @@ def search(
 @njit_inner(inline="always")
 def counts(tables: Tables, slot: int, k: int) -> bool:
     """Whether the penetration of a row is asked for: where the force of a damped stop acts, its own row has none."""
-    return tables.owner.size == 0 or tables.owner[k] >= 0 or not tables.asleep[slot, k]
+    return tables.owner is None or tables.owner[k] >= 0 or not tables.asleep[slot, k]
 
 
 @njit_inner()

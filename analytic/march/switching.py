@@ -43,7 +43,7 @@ def switch(tables: Tables, slot: int, stop: int, theta: ComplexArray, q: FloatAr
     target = tables.next_slot[slot, stop]
     n_old, n_new = tables.modes[slot], tables.modes[target]
     row = tables.passage[slot, stop]
-    if tables.owner.size > 0:
+    if tables.owner is not None:
         _switch_coupled(tables, row, n_old, n_new, theta, q, v)
         return
     S, onto = tables.carry[row], tables.carry_residual[row]

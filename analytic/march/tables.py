@@ -170,9 +170,9 @@ class Tables(NamedTuple):
     """+1 for a top stop, -1 for a bottom stop, shape ``(P,)``."""
     gap: FloatArray
     """Gap of each stop, m, shape ``(P,)``."""
-    owner: IntArray
-    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; ``(0,)`` if no
-    state may be coupled.  See `analytic.march.coupled`."""
+    owner: IntArray | None
+    """The stop to which the row of each stop belongs as the row of its force, or -1, shape ``(P,)``; None if no state
+    may be coupled, and then compiled functions leave out all that coupled states need; see `analytic.march.coupled`."""
     step: FloatArray
     """The tabulated steps, s, shape ``(J,)``; see `OCTAVES`."""
     unit: float
@@ -383,7 +383,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         position=position,
         sign=np.array([stop.sign for stop in rows], dtype=float),
         gap=np.array([stop.gap for stop in rows], dtype=float),
-        owner=np.array([-1] * own + damped if may_couple else [], dtype=np.int64),
+        owner=np.array([-1] * own + damped, dtype=np.int64) if may_couple else None,
         step=steps,
         unit=unit_of_time(steps, harmonics),
     )
@@ -405,7 +405,7 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.constant[slot, :places] = flat.residual[:, 0]
     tables.closed[slot, :stops] = flat.closed
     tables.asleep[slot, stops:], tables.idle[slot, places:] = True, True
-    if tables.owner.size:
+    if tables.owner is not None:
         tables.gradient[slot, :places, 0, :n] = flat.weight[:, :n]
 
 

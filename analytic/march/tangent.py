@@ -105,7 +105,7 @@ def _write_rates(
         force = tables.force[slot, 0, i]
         for h in range(theta.size):
             force += tables.force[slot, 1 + h, i] * theta[h].imag
-        if tables.owner.size > 0:
+        if tables.owner is not None:
             force = tables.push[slot, 0, i].real
             for h in range(theta.size):
                 force += (tables.push[slot, 1 + h, i] * theta[h]).imag
@@ -163,7 +163,7 @@ def saltation(
     _write_rates(tables, old, theta, q_old, v_old, before)
     _write_rates(tables, new, theta, q_new, v_new, after)
     late = (tables.sign[k] if tables.closed[old, k] else -tables.sign[k]) / rate
-    if tables.owner.size > 0:
+    if tables.owner is not None:
         _saltation_of_coupled(
             tables, old, new, row, tables.position[k], late, work.level[k], rate, theta, now, then, work
         )
@@ -262,7 +262,7 @@ def set_levels(
     level, m = work.level, now.shape[1]
     for k in range(tables.sign.size):
         h, rise = 0.0, 0.0
-        if tables.owner.size == 0:
+        if tables.owner is None:
             h, rise = _gap_function(tables, slot, k, theta, q, v)
         elif not tables.asleep[slot, k]:
             h, rise = _gap_function_of_coupled(tables, slot, k, theta, q, v, work.after)
@@ -274,7 +274,7 @@ def set_levels(
         mode = tables.weight[slot, tables.position[k]]
         for c in range(m if switched else 0):
             level[k, c] = rise * work.delay[c]
-        if tables.owner.size > 0:
+        if tables.owner is not None:
             u, n = tables.position[k], tables.modes[slot]
             for b in range(2):
                 for i in range(n):

@@ -74,7 +74,7 @@ def start_terms(
         else:
             poly[i, 0] += x
             poly[i, 1] += y
-    if tables.own[slot] > 0:
+    if tables.owner is not None and tables.own[slot] > 0:
         write_copies(tables, slot, term)
 
 
@@ -218,7 +218,7 @@ def turn_exactly(
 @njit_inner()
 def drift_at_stops(tables: Tables, slot: int, poly: FloatArray, drift: FloatArray) -> None:
     """Write to `drift`, ``(U, 3)``, the coefficients of 1, s, s^2 of z at the stops, m divided by powers of s."""
-    if tables.owner.size > 0:
+    if tables.owner is not None:
         _drift_of_coupled(tables, slot, poly, drift)
         return
     for u in range(drift.shape[0]):

@@ -2,7 +2,8 @@
 
 numba passes a tuple by value: thirty arrays are two hundred numbers at every call, and a function that takes them
 compiles for seconds.  To compiled functions, a named tuple decorated with `by_reference` is an address: that of a few
-words for each field, which are written when Python calls a function, and read where they are needed.
+words for each field, which are written when Python calls a function, and read where they are needed.  A field may be
+None, and the type of the tuple tells: see `lapjoint.compiled.absent_fields`.
 
 Compiled functions borrow the arrays: they write to them, but neither keep nor return one, nor a view of one.  Python
 keeps the arrays as long as the tuple, and so at least for the time of a call.
@@ -44,6 +45,11 @@ class Field(NamedTuple):
         """Number of dimensions of an array; 0 of a number."""
         return int(getattr(self.type, "ndim", 0))
 
+    @property
+    def words(self) -> int:
+        """Number of words that hold the field: none if it is None."""
+        return 0 if isinstance(self.type, types.NoneType) else 1 + self.dimensions
+
 
 class ByReference(types.Type):  # type: ignore[misc]
     """The type, to numba, of a decorated tuple: the name of its class, and its fields in order."""
@@ -60,7 +66,10 @@ class ByReference(types.Type):  # type: ignore[misc]
 
 
 def by_reference(kind: type[T]) -> type[T]:
-    """Let compiled functions take a named tuple of arrays in C order and floats by its address; returns its class."""
+    """Let compiled functions take a named tuple by its address; returns its class.
+
+    Its fields are arrays in C order, floats or None.
+    """
     typeof_impl.register(kind)(_type_of)
     return kind
 
@@ -78,10 +87,10 @@ def _type_of(values: Any, _: Any) -> ByReference:
     for name, value in zip(values._fields, values, strict=True):
         it = typeof(value)
         array = isinstance(value, np.ndarray) and it.layout == "C" and it.aligned
-        if not array and not isinstance(value, float):
-            raise TypeError(f"{type(values).__name__}.{name} is neither an array in C order nor a float")
+        if not array and value is not None and not isinstance(value, float):
+            raise TypeError(f"{type(values).__name__}.{name} is neither an array in C order nor a float nor None")
         fields.append(Field(name, it, word))
-        word += 1 + fields[-1].dimensions
+        word += fields[-1].words
     return ByReference(type(values).__name__, tuple(fields))
 
 
@@ -99,8 +108,10 @@ def _unboxed(kind: ByReference, values: Any, c: Any) -> Any:
         return builder.inttoptr(builder.load(at(address, index)), word.as_pointer())
 
     last = kind.fields[-1]
-    words = cgutils.alloca_once(builder, word, size=last.word + 1 + last.dimensions)
+    words = cgutils.alloca_once(builder, word, size=last.word + last.words)
     for i, field in enumerate(kind.fields):
+        if not field.words:
+            continue
         value = address_at(values, _ITEMS + i)
         builder.store(builder.load(at(value, _DATA)), at(words, field.word))
         if field.dimensions:
@@ -125,6 +136,8 @@ def _look_up(context: Any, builder: Any, kind: ByReference, address: Any, name: 
     """Code that loads a field: a number, or an array without a count of references."""
     field = kind.field(name)
     assert field is not None
+    if not field.words:
+        return context.get_dummy_value()
     words = builder.bitcast(address, ir.IntType(8 * _WORD).as_pointer())
     at = [cgutils.gep_inbounds(builder, words, field.word + i) for i in range(1 + field.dimensions)]
     if not isinstance(field.type, types.Array):

@@ -29,6 +29,7 @@ from typing import Any, TypeVar
 from numba import njit
 from numba.core import config, event
 
+from lapjoint.compiled.absent_fields import Compiler
 from lapjoint.compiled.cache import ContentCache
 from lapjoint.compiled.machine_code import Sparing, spare_llvm
 
@@ -55,7 +56,7 @@ def njit_called(*, vectorised: bool = False, **options: Any) -> Callable[[F], F]
     assert "fastmath" not in options
 
     def compiled(function: F) -> F:
-        made = compiler(no_cfunc_wrapper=True, **options)(function)
+        made = compiler(no_cfunc_wrapper=True, pipeline_class=Compiler, **options)(function)
         with suppress(RuntimeError):  # no folder to keep the machine code in
             made._cache = ContentCache(made)
         _OWN[function] = vectorised
