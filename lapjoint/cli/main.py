@@ -30,6 +30,7 @@ from lapjoint.cli.echo import echo
 from lapjoint.cli.equilibrium import equilibrium
 from lapjoint.cli.look import export, show
 from lapjoint.cli.plot import plot
+from lapjoint.cli.sketch import sketch
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import sweep
@@ -165,7 +166,10 @@ def main() -> None:
     """
 
 
-for command in (modes, equilibrium, simulate, steady, statistics, sweep, basins, branch, confirm, plot, export, show):
+for command in (
+    *(modes, equilibrium, simulate, steady, statistics, sweep, basins, branch, confirm),
+    *(plot, sketch, export, show),
+):
     main.add_command(command)
 
 

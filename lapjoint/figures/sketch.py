@@ -12,7 +12,7 @@ import numpy as np
 from lapjoint.figures.style import COLOURS, GREY, PAGE_WIDTH, figure_of, new_axes, style
 from lapjoint.figures.text import SMALL, cut_to, frequency_text, literal, width_of
 from lapjoint.problem import FloatArray, NamedBeam, Problem, Support
-from lapjoint.problem.excitation import StepLoad
+from lapjoint.problem.excitation import PointLoad, SineLoad, StepLoad
 from lapjoint.problem.placing import uniform_load_shape
 from lapjoint.problem.structure import PlacedLink
 from lapjoint.problem.supports_and_stops import PlacedStop
@@ -37,6 +37,8 @@ _RIGHT = 1.75  # room on the right of the beam
 _INCHES = 0.42  # of the page for a unit of height that several beams need
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
 _APART = 1.9  # height between two beams that lie above each other
+_PAD = 0.042  # inches that matplotlib leaves on each side of the axes
+_AIR = 0.05  # inches between two texts on a line, at least
 _INK = "0.15"
 _BEAM, _STOP, _DRIVE = COLOURS[0], COLOURS[1], COLOURS[2]
 
@@ -64,11 +66,13 @@ class _Page:
         lines = text.split("\n")
         wide = max(width_of(line, SMALL) for line in lines) * self.per_inch
         left = x - {"left": 0.0, "center": wide / 2, "right": wide}[align]
-        half = len(lines) * _LINE / 2
+        half, air = len(lines) * _LINE / 2, _AIR * self.per_inch
         box = left, left + wide, y - half, y + half
+        if left < -_LEFT or left + wide > _WIDE + _RIGHT:
+            return False
         if any(box[0] < b[1] and b[0] < box[1] and box[2] < b[3] and b[2] < box[3] for b in self.taken):
             return False
-        self.taken.append(box)
+        self.take(left - air, left + wide + air, y - half, y + half)
         self.axes.text(x, y, text, color=colour, fontsize=SMALL, ha=align, va="center", linespacing=1.15)
         return True
 
@@ -142,7 +146,7 @@ class _Plan:
 
 
 @style()
-def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
+def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAGE_WIDTH) -> Axes:
     """Draw a joint: positions to scale, everything else as symbols with numbers beside them.
 
     Numbers for which there is no room are left out.
@@ -153,6 +157,8 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
         The joint.
     axes : matplotlib.axes.Axes, optional
         Where to draw; by default on a new figure.
+    width : float
+        Width of the new figure, inches; a narrow figure has fewer numbers.
 
     Returns
     -------
@@ -161,11 +167,11 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     """
     plan = _Plan(problem)
     top = max(plan.heights)
-    axes = new_axes(PAGE_WIDTH, HEIGHT + top * _INCHES) if axes is None else axes
+    axes = new_axes(width, HEIGHT + top * _INCHES) if axes is None else axes
     axes.set_axis_off()
     axes.set_xlim(-_LEFT, _WIDE + _RIGHT)
     axes.set_ylim(_BELOW - 0.75, 2.35 + top)
-    page = _Page(axes, (_LEFT + _WIDE + _RIGHT) / figure_of(axes).get_size_inches()[0])
+    page = _Page(axes, (_LEFT + _WIDE + _RIGHT) / (figure_of(axes).get_size_inches()[0] - 2 * _PAD))
     _draw_beams(page, plan)
     for support in problem.structure.supports:
         aside = -0.42 if plan.below(support.x) else 0.0
@@ -180,9 +186,9 @@ def plot_joint(problem: Problem, axes: Axes | None = None) -> Axes:
     _draw_static_loads(page, plan)
     _draw_positions(page, plan)
     _name_beams(page, plan)
+    _say_supports(page, plan)
     _name_stops(page, plan)
     _name_masses(page, plan)
-    _say_supports(page, plan)
     _say_links(page, plan)
     return axes
 
@@ -229,9 +235,10 @@ def _draw_support(page: _Page, support: Support, x: float, y: float, aside: floa
         page.take(x, x + outside * 0.16, y - 0.75, y + 0.75)
         return
     if math.isinf(support.translational):
-        foot = [y - _HALF, y - 0.55, y - 0.55]
+        up = 1.0 if aside else -1.0  # from above where a stop is below
+        foot = [y + up * _HALF, y + up * 0.55, y + up * 0.55]
         page.axes.fill([x, x - 0.2, x + 0.2], foot, facecolor="white", edgecolor=_INK, linewidth=0.9)
-        page.ground(x, y - 0.55, -1.0)
+        page.ground(x, y + up * 0.55, up)
     elif support.translational:
         page.spring(x + aside, y - _HALF, y - _HALF - _SPRING, _INK)
         page.ground(x + aside, y - _HALF - _SPRING, -1.0)
@@ -308,6 +315,7 @@ def _name_stops(page: _Page, plan: _Plan) -> None:
         numbers += ["fixed in space"] if stop.in_space and stop.side != "between" else []
         x, y, text = plan.x(stop.x), plan.y(stop.x), "\n".join((short, *numbers))
         middle, beyond = y + stop.sign * 1.0, y + stop.sign * _BEYOND
+        head = max(y, plan.y(stop.reading[0][0])) + _HALF + _HEAD
         if stop.side == "between":
             middle = beyond = (y + plan.y(stop.reading[0][0])) / 2
         _ = (
@@ -316,6 +324,7 @@ def _name_stops(page: _Page, plan: _Plan) -> None:
             or page.say(x + 0.36, middle, short, _STOP)
             or page.say(x - 0.36, middle, short, _STOP, "right")
             or page.say(x, beyond, short, _STOP, "center")
+            or page.say(plan.x(stop.x), head + _LINE, short, _STOP, "center")
         )
     if len(problem.stops) > 1:
         page.say(_WIDE, 2.15 + max(plan.heights), f"{len(problem.stops)} stops", _STOP, "right")
@@ -339,6 +348,8 @@ def _name_masses(page: _Page, plan: _Plan) -> None:
             or page.say(x + aside, y + near, short, GREY)
             or page.say(x - aside, y - near, short, GREY, "right")
             or page.say(x + aside, y - near, short, GREY)
+            or page.say(x, y + above, name or short, GREY, "center")
+            or page.say(x, y - above, name or short, GREY, "center")
         )
 
 
@@ -376,8 +387,18 @@ def _draw_drive(page: _Page, plan: _Plan) -> None:
         x, y, down = plan.x(place), plan.y(place), isinstance(load, StepLoad) and load.force < 0
         tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if plan.below(place) else (-_HALF, -1.5)
         page.arrow(x, y + tip, y + tail, "->")
-        text = f"{load.force:g} N" if isinstance(load, StepLoad) else f"{load.kind} force"
-        page.say(x - 0.12, y + max(tip, tail, key=abs), text, _DRIVE, "right")
+        far = y + max(tip, tail, key=abs)
+        sides = ((-0.12, "right"), (0.12, "left"))
+        _ = any(page.say(x + to, far, text, _DRIVE, side) for text in _said_of_load(load) for to, side in sides)
+
+
+def _said_of_load(load: PointLoad) -> tuple[str, ...]:
+    """A load in a few words, the longest text first."""
+    if isinstance(load, StepLoad):
+        return (f"{load.force:g} N",)
+    if isinstance(load, SineLoad):
+        return f"{load.force:g} N at\n{frequency_text(load.angular_frequency)}", f"{load.force:g} N"
+    return f"{load.kind} force", load.kind
 
 
 def _draw_static_loads(page: _Page, plan: _Plan) -> None:
@@ -386,7 +407,8 @@ def _draw_static_loads(page: _Page, plan: _Plan) -> None:
     if problem.gravity is not None and problem.gravity.acceleration:
         x, up = _WIDE + 1.2, math.copysign(1.0, problem.gravity.acceleration)
         page.arrow(x, up * 0.45, -up * 0.45, "->")
-        page.say(x, 0.75, f"{abs(problem.gravity.acceleration):g} m/s2", _DRIVE, "center")
+        text = f"{abs(problem.gravity.acceleration):g} m/s2"
+        _ = page.say(x, 0.75, text, _DRIVE, "center") or page.say(_WIDE + _RIGHT, 0.75, text, _DRIVE, "right")
     for load in problem.uniform_loads:
         ((first, last, _),) = uniform_load_shape(load, problem.line).pieces
         start, end, y = plan.x(first), plan.x(last), plan.y(first)
@@ -419,7 +441,7 @@ def _draw_positions(page: _Page, plan: _Plan) -> None:
     at += [x for link in structure.links for x in (link.first, link.second)]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
     page.say(_WIDE, _BELOW - 0.42, f"{right:g}", GREY, "center")
-    page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY)
+    _ = page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY) or page.say(_WIDE + 0.25, _BELOW, "x [m]", GREY)
     for place in sorted({plan.along(x) for x in at}):
         x = (place - left) * plan.scale
         page.line([x] * 2, [_BELOW - 0.07, _BELOW + 0.07], GREY, 0.7)

@@ -65,9 +65,10 @@ def test_the_paper_joint_is_all_there() -> None:
         assert part in drawn
 
 
+@pytest.mark.parametrize("width", [3.4, 7.0])
 @pytest.mark.parametrize("name", JOINTS)
-def test_no_two_texts_stand_on_each_other_and_none_is_cut(name: str) -> None:
-    axes = plot_joint(JOINTS[name])
+def test_no_two_texts_stand_on_each_other_and_none_is_cut(name: str, width: float) -> None:
+    axes = plot_joint(JOINTS[name], width=width)
     figure = figure_of(axes)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
