@@ -20,6 +20,8 @@ class Table:
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    grouped: bool = False
+    """Whether rows that follow each other with the same first cell are shown as a group under that cell."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class Drawing:
 
     title: str
     svg: str
+    narrow: str = ""
+    """The same for narrow screens, where the figure would be too small to read; empty where it would not."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +50,14 @@ class CaseResult:
     headline: str = ""
     """The finding of the case in a line, where the verdict alone does not state it."""
     seconds: float = field(default=0.0)
+    answer: tuple[Table, ...] = ()
+    """What the user of an own problem asked for, by both solvers: tables for the first page."""
+    certificate: tuple[Table, ...] = ()
+    """How each solver established the answer: tables for the first page."""
+    assumed: tuple[str, ...] = ()
+    """What this answer assumes beside the assumptions of the model, in sentences."""
+    commands: tuple[str, ...] = ()
+    """Arguments of ``lapjoint`` that print the answer again, with ``{problem}`` for the problem."""
 
     @property
     def items(self) -> tuple[Check | Criterion, ...]:
@@ -80,7 +92,7 @@ def number(value: float, digits: int = 6) -> str:
     return f"{value:.{digits}g}"
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> Table:
+def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]], *, grouped: bool = False) -> Table:
     """A table from anything that can be written.
 
     Parameters
@@ -91,6 +103,8 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) 
         Heads of the columns, units included.
     rows : sequence of sequence
         Cells, as many in each row as there are columns; floats are written by `number`, all else by ``str``.
+    grouped : bool
+        Whether rows with the same first cell are shown as a group under that cell.
 
     Returns
     -------
@@ -98,4 +112,4 @@ def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) 
         The table, written.
     """
     written = tuple(tuple(number(c) if isinstance(c, float) else str(c) for c in row) for row in rows)
-    return Table(title, tuple(columns), written)
+    return Table(title, tuple(columns), written, grouped)

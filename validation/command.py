@@ -36,6 +36,13 @@ def _cases() -> tuple[str, ...]:
 )
 @click.option("--quick", "level", flag_value="quick", help="Less refinement.")
 @click.option("--full", "level", flag_value="full", help="More refinement.")
+@click.option(
+    "--duration",
+    type=float,
+    metavar="S",
+    help="Duration of motions of PROBLEM under records or random excitation, s.  [default: the record's, or some decay "
+    "times]",
+)
 @click.option("--faults", is_flag=True, help="Put faults into the program, one at a time, and say what catches each.")
 @click.option("--fault", "fault_names", multiple=True, metavar="NAME", help="Put this fault only; repeatable.")
 @click.option(
@@ -64,6 +71,7 @@ def validate(
     cases: tuple[str, ...],
     peers: tuple[str, ...],
     level: Literal["quick", "full"] | None,
+    duration: float | None,
     faults: bool,
     fault_names: tuple[str, ...],
     quickest: int | None,
@@ -85,10 +93,11 @@ def validate(
         echo("\n".join(suite.case_names()))
         return
     if problem is None:
-        arguments.refuse(
-            "it changes a PROBLEM, and none is given; preset:paper is one", set=" ".join(overrides) or None
-        )
+        changes = " ".join(overrides) or None
+        arguments.refuse("it changes a PROBLEM, and none is given; preset:paper is one", set=changes)
+        arguments.refuse("it is that of the motions of a PROBLEM, and none is given", duration=duration)
     arguments.check_directory(output)
+    arguments.check_duration(duration)
     if faults or fault_names or quickest is not None:
         if problem is not None or peers or level is not None:
             raise click.UsageError("--faults takes no problem, no peers and no level: it is the suite that is judged.")
@@ -99,4 +108,8 @@ def validate(
         click.get_current_context().exit(status)
     this = None if problem is None else arguments.problem_from(problem, overrides)
     named, console = tuple(dict.fromkeys(peers)), rich.console.Console()
-    click.get_current_context().exit(suite.main(this, cases, level or "standard", Path(output), console, named))
+    source = " ".join([problem or "", *(f"--set {one}" for one in overrides)])
+    status = suite.main(
+        this, cases, level or "standard", Path(output), console, named, source=source, duration=duration
+    )
+    click.get_current_context().exit(status)

@@ -84,6 +84,9 @@ def main(
     output: Path,
     console: Console,
     peers: tuple[str, ...] = (),
+    *,
+    source: str = "",
+    duration: float | None = None,
 ) -> int:
     """Run the suite, or compare the solvers on one problem, and write the reports.
 
@@ -101,6 +104,10 @@ def main(
         Where progress and verdicts go.
     peers : tuple of str
         Further solvers to compare with, by their entry-point names.
+    source : str
+        Where the user's problem comes from, as the command line names it.
+    duration : float, optional
+        Duration of motions under records and random excitation, s; by default the record's, or long enough.
 
     Returns
     -------
@@ -121,7 +128,7 @@ def main(
         raise InputError(f"case = {PEERS!r}: name the solvers to compare with, as in --peers opensees")
     runs: dict[str, Run] = {}
     if others or not cases:
-        runs = _chosen(others) if problem is None else _own(problem, others)
+        runs = _chosen(others) if problem is None else _own(problem, others, level, duration)
     if peers:
         runs[PEERS] = _peers(problem, peers)
     output = writable(output)
@@ -136,7 +143,7 @@ def main(
         result = run(level, say)
         results.append(replace(result, seconds=time.perf_counter() - started))
         _summary(results[-1], console)
-    pages = write_reports(results, level, output, time.perf_counter() - begin, problem)
+    pages = write_reports(results, level, output, time.perf_counter() - begin, problem, source)
     _table(results, console)
     written = escaped(", ".join(str(page) for page in pages))
     console.print(f"\nreports: {written}", highlight=False, markup=False, soft_wrap=True)
@@ -174,7 +181,7 @@ def _chosen(cases: tuple[str, ...]) -> dict[str, Run]:
     return {names[module]: import_module(f"validation.cases.{module}").run for module in modules_of(cases)}
 
 
-def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
+def _own(problem: Problem, cases: tuple[str, ...], level: Level, duration: float | None) -> dict[str, Run]:
     from validation.cases import own_problem
 
     def bound(part: Callable[[Problem, Level, Say], CaseResult]) -> Run:
@@ -186,6 +193,10 @@ def _own(problem: Problem, cases: tuple[str, ...]) -> dict[str, Run]:
     runs["transient"] = bound(own_problem.transient)
     if problem.excitation_frequency is not None:
         runs["steady"] = bound(own_problem.steady)
+    if own_problem.statistics_lasting(problem, level, duration):
+        runs["statistics"] = lambda level, say: own_problem.statistics(problem, level, say, duration)
+    elif duration is not None:
+        raise InputError(f"duration = {duration:g}: this problem has no record and no random excitation")
     unknown = [name for name in cases if name not in runs]
     if unknown:
         raise InputError(f"case = {unknown[0]!r}: this problem has {', '.join(runs)}")

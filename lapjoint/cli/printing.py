@@ -137,7 +137,7 @@ def print_steady_state(found: SteadyState, at: list[float] | None = None) -> Non
         _print_nearest(found.history)
     for block in steady_blocks(found, at):
         if any(row.of for row in block.rows):
-            _print_places(block)
+            _print_places(found.problem, block)
         elif block.heads == ("",):
             _print_at_stops(found.problem, block)
         else:
@@ -157,18 +157,18 @@ def _heads(block: Block) -> str:
     return (" " * 12 * known).join(f"{head:>12}" for head in block.heads)
 
 
-def _print_places(block: Block) -> None:
+def _print_places(problem: Problem, block: Block) -> None:
     """Print values at places: the chosen ones, and where a quantity is largest if that is another place."""
-    width, label = max(9, *(len(row.where) + 2 for row in block.rows)), ""
+    rows = [row for row in block.rows if not (row.asked and row.largest)]
+    unit = "" if problem.line.several else " m"
+    places, label = [f"{row.where}{unit}{'*' * row.largest}" for row in rows], ""
+    width = max(9, *(len(place) + 1 for place in places))
     echo(f"\n{block.title:<{29 + width}}{_heads(block)}")
-    for row in block.rows:
-        if row.asked and row.largest:
-            continue
-        place = row.where + "*" * row.largest
+    for row, place in zip(rows, places, strict=True):
         numbers = "".join(_padded(number) for number in row.numbers if number is not None)
         echo(f"{row.of if row.of != label else '':<29}{place:<{width}}{numbers}".rstrip())
         label = row.of
-    if any(row.largest and not row.asked for row in block.rows):
+    if any(row.largest for row in rows):
         echo("* where its magnitude is largest along the beam")
 
 

@@ -56,7 +56,7 @@ class Row:
     """Numbers at a place of the beam, or at a stop."""
 
     where: str
-    """Name of the place or of the stop."""
+    """The place, m, or the name of the stop."""
     numbers: tuple[Number | None, ...]
     """One for each head of the block; None where there is none."""
     of: str = ""
@@ -177,7 +177,6 @@ def _at_places(summary: OrbitSummary) -> list[Row]:
         largest = int(np.argmax(values[names[0]]))
         for i in [*what.asked.tolist(), largest]:
             numbers = [Number(float(values[n][i]), None if errors is None else float(errors[n][i])) for n in names]
-            where = f"{line.place(float(what.x[i]), 4)}{' m' * (not line.several)}"
-            rows.append(Row(where, tuple(numbers), of, asked=i in what.asked))
+            rows.append(Row(line.place(float(what.x[i]), 4), tuple(numbers), of, asked=i in what.asked))
         rows[-1] = Row(rows[-1].where, rows[-1].numbers, of, largest=True, asked=rows[-1].asked)
     return rows

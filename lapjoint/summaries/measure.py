@@ -109,6 +109,12 @@ def measure(
     return Measure(selection, duration, settle, units, rate, 1 / decay if decay else math.inf)
 
 
+def duration_of(problem: Problem, solver: Solver, units: int) -> float:
+    """The duration, s, that the default start and some units of `LONG` decay times fill; infinite without damping."""
+    _, decay = _slowest(problem, solver)
+    return (SETTLED + units * LONG) / decay if decay else math.inf
+
+
 def sums_of(what: Measure, solver: Solver, problem: Problem, progress: Progress | None = None) -> Sums:
     """The sums over all units of the motion of a problem, of one realisation of its excitation."""
     collector = Collector(what.selection, what.settle, what.duration, what.units, what.rate)

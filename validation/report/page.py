@@ -7,12 +7,13 @@ import hashlib
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from lapjoint.figures.text import hertz
-from validation.case import CaseResult, Drawing
+from validation.case import CaseResult, Drawing, Table
+from validation.report.own import OwnProblem
 from validation.report.records import VERDICTS, checks_sheet, counts, criteria_sheet, tightest
 from validation.report.table_files import FOLDER, Sheet, distinct
 from validation.report.uncertainty_budget import budget_sheet
@@ -117,23 +118,37 @@ class View:
     @cached_property
     def tables(self) -> list[Sheet]:
         """The case's own tables."""
-        names = distinct([f"table {table.title}" for table in self.result.tables])
+        return self._sheets("table", self.result.tables)
+
+    @cached_property
+    def answer(self) -> list[Sheet]:
+        """Tables of the answer to the user's question."""
+        return self._sheets("answer", self.result.answer)
+
+    @cached_property
+    def certificate(self) -> list[Sheet]:
+        """Tables that say how the answer was established."""
+        return self._sheets("certificate", self.result.certificate)
+
+    def _sheets(self, kind: str, tables: Sequence[Table]) -> list[Sheet]:
+        names = distinct([f"{kind} {table.title}" for table in tables])
         return [
-            Sheet(f"{self.anchor}-{name}", table.title, table.columns, table.rows)
-            for name, table in zip(names, self.result.tables, strict=True)
+            Sheet(f"{self.anchor}-{name}", table.title, table.columns, table.rows, table.grouped)
+            for name, table in zip(names, tables, strict=True)
         ]
 
     @property
     def sheets(self) -> list[Sheet]:
         """Everything of the case that becomes files."""
         found = [self.checks_sheet, self.budget_sheet] if self.result.checks else []
-        return found + ([self.criteria_sheet] if self.result.criteria else []) + self.tables
+        found += [self.criteria_sheet] if self.result.criteria else []
+        return [*found, *self.tables, *self.answer, *self.certificate]
 
     @property
-    def drawings(self) -> list[tuple[str, str, str]]:
-        """Anchor, title and SVG of each figure, its ids its own within the page."""
+    def drawings(self) -> list[tuple[str, Drawing]]:
+        """Anchor and figure of each, its ids its own within the page."""
         anchors = [f"{self.anchor}-figure-{i + 1}" for i in range(len(self.result.drawings))]
-        return [(a, d.title, own_ids(d.svg, a)) for a, d in zip(anchors, self.result.drawings, strict=True)]
+        return [(a, with_own_ids(d, a)) for a, d in zip(anchors, self.result.drawings, strict=True)]
 
 
 def _worst_first(items: Sequence[Any]) -> list[tuple[int, Any]]:
@@ -150,6 +165,11 @@ def own_ids(svg: str, prefix: str) -> str:
     """An SVG whose ids, and references to them, carry a prefix."""
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{prefix}-\1"', svg)
     return re.sub(r'(href="#|url\(#)([^")]+)', rf"\1{prefix}-\2", svg)
+
+
+def with_own_ids(drawn: Drawing, prefix: str) -> Drawing:
+    """A figure whose ids carry a prefix, in the page's own drawing and in that for narrow screens."""
+    return Drawing(drawn.title, own_ids(drawn.svg, prefix), own_ids(drawn.narrow, f"{prefix}-narrow"))
 
 
 def sentence(results: Sequence[CaseResult]) -> str:
@@ -185,20 +205,26 @@ def short(value: float, digits: int = 2) -> str:
     return f"{value:.{digits}g}"
 
 
-def first_picture(shown: Sequence[View]) -> tuple[str, str] | None:
-    """Title and SVG of the figure for the first screen; None where no case of `PICTURED` has one."""
+def first_picture(shown: Sequence[View]) -> Drawing | None:
+    """The figure for the first screen; None where no case of `PICTURED` has one."""
     found = {view.result.name: view.result.drawings[0] for view in shown if view.result.drawings}
-    return next(((found[name].title, own_ids(found[name].svg, "first")) for name in PICTURED if name in found), None)
+    return next((with_own_ids(found[name], "first") for name in PICTURED if name in found), None)
 
 
-def _answer(shown: Sequence[View]) -> Sheet | None:
-    """The main numbers of a user's own problem: the steady state, or else the first contacts."""
-    found = {view.result.name: sheet for view in shown for sheet in view.tables[:1] if sheet.rows}
-    best = next((found[name] for name in PICTURED if name in found), None)
-    return None if best is None else replace(best, title=f"{best.title}: both solvers")
+def answering(shown: Sequence[View]) -> list[View]:
+    """The cases whose answers stand on the first page: first contacts only where there is nothing that lasts."""
+    found = [view for view in shown if view.answer]
+    lasting = [view for view in found if view.result.name != "transient"]
+    return lasting or found
 
 
-def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str, Any], joint: Drawing) -> str:
+def page(
+    shown: Sequence[View],
+    overall: Mapping[str, Sheet],
+    about: Mapping[str, Any],
+    joint: Drawing,
+    own: OwnProblem | None = None,
+) -> str:
     """The page as HTML."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -211,10 +237,10 @@ def page(shown: Sequence[View], overall: Mapping[str, Sheet], about: Mapping[str
         views=shown,
         overall=overall,
         about=about,
-        own=about.get("problem"),
-        joint=own_ids(joint.svg, "joint"),
+        own=own,
+        answering=answering(shown),
+        joint=with_own_ids(joint, "joint"),
         picture=first_picture(shown),
-        answer=_answer(shown) if "problem" in about else None,
         sentence=sentence([view.result for view in shown]),
         worst=next((v for v in VERDICTS if any(view.counts[v] for view in shown)), None),
         significant=significant,

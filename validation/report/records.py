@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-from lapjoint.figures.text import hertz
-from lapjoint.problem import Problem
-from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
 from validation.report.table_files import Cell, Sheet
 from validation.verdict import Check, Criterion, Estimate, Verdict, source_name
@@ -27,7 +24,10 @@ def case_record(result: CaseResult) -> dict[str, Any]:
         "seconds": round(result.seconds, 2),
         "checks": [check_record(check) for check in result.checks],
         "criteria": [criterion_record(criterion) for criterion in result.criteria],
-        "tables": [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in result.tables],
+        **{
+            part: [{"title": t.title, "columns": t.columns, "rows": t.rows} for t in getattr(result, part)]
+            for part in ("answer", "certificate", "tables")
+        },
         "notes": list(result.notes),
     }
 
@@ -136,49 +136,6 @@ def kinds_sheet(results: Sequence[CaseResult]) -> Sheet:
     rows: list[tuple[Cell, ...]] = [(kind, *(verdicts.count(v) for v in VERDICTS)) for kind, verdicts in found.items()]
     columns = ("kind of reference", *(v.value for v in VERDICTS))
     return Sheet("kinds", "Comparisons by kind of reference", columns, tuple(rows))
-
-
-def parameters_sheet(problem: Problem) -> Sheet:
-    """Every value of a problem that is given, a row for each part of it."""
-    rows: list[tuple[Cell, ...]] = []
-    for key, part in problem_tables_json(problem).items():
-        if key in ("title", "schema_version"):
-            continue
-        if isinstance(part, Sequence) and not isinstance(part, str):
-            rows += [(f"{key}[{i}]", ", ".join(_values("", one))) for i, one in enumerate(part)]
-        else:
-            rows.append((key, ", ".join(_values("", part))))
-    return Sheet("parameters", "The problem, in SI units", ("part", "values"), tuple(rows))
-
-
-def _values(path: str, value: object) -> Iterator[str]:
-    """The values in nested tables, as ``material.density = 7890``."""
-    if isinstance(value, Mapping):
-        for key, part in value.items():
-            yield from _values(f"{path}.{key}" if path else str(key), part)
-    elif isinstance(value, float):
-        besides = f" ({hertz(value)} Hz)" if path.endswith("angular_frequency") else ""
-        yield f"{path} = {value:.10g}{besides}"
-    elif isinstance(value, Sequence) and not isinstance(value, str):
-        if value and all(isinstance(one, Mapping) for one in value):
-            for i, one in enumerate(value[:_SHOWN]):
-                yield from _values(f"{path}[{i}]", one)
-            if len(value) > _SHOWN:
-                yield f"... ({path}: {len(value)} in all)"
-        else:
-            yield f"{path} = {_row(value)}"
-    else:
-        yield f"{path} = {value}"
-
-
-def _row(values: Sequence[object]) -> str:
-    """Several values; of many the first ones, and how many there are."""
-    shown = ", ".join(f"{v:.10g}" if isinstance(v, float) else str(v) for v in values[:_SHOWN])
-    return f"[{shown}{f', ... ({len(values)} in all)' if len(values) > _SHOWN else ''}]"
-
-
-_SHOWN = 12
-"""Values of a row that a table shows: a record has thousands."""
 
 
 def faults_sheet() -> Sheet:

@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 
 from lapjoint.files.plain_text import no_formula
@@ -27,6 +28,16 @@ class Sheet:
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
+    grouped: bool = False
+    """Whether rows that follow each other with the same first cell are shown as a group under that cell."""
+
+    @property
+    def groups(self) -> tuple[tuple[Cell, tuple[tuple[Cell, ...], ...]], ...]:
+        """The first cell of each group, and its rows without that cell; None and all rows where nothing is grouped."""
+        if not self.grouped:
+            return ((None, self.rows),)
+        parts = groupby(self.rows, key=lambda row: row[0])
+        return tuple((first, tuple(row[1:] for row in rows)) for first, rows in parts)
 
     @property
     def files(self) -> tuple[str, str]:
@@ -112,4 +123,6 @@ def _finite(cell: Cell) -> Cell:
 def _is_number(cell: Cell) -> bool:
     if not isinstance(cell, str):
         return True
-    return bool(re.fullmatch(r"\s*([-+]?\d[\d.,eE+-]*( *(±|\+-) *\d[\d.eE+-]*)?|nan|inf|-)?\s*%?", cell))
+    number = r"[-+]?\d[\d.,eE+-]*"
+    error = rf" *(±|\+-) *(\d[\d.eE+-]*|\?)| \(({number}|\?) to ({number}|\?)\)"
+    return bool(re.fullmatch(rf"\s*({number}({error})?|nan|inf|[-–?])?\s*%?", cell))

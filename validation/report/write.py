@@ -12,13 +12,15 @@ from typing import Any
 
 from lapjoint import paper_joint
 from lapjoint.figures import plot_joint
+from lapjoint.figures.style import COLUMN_WIDTH, new_axes
 from lapjoint.files.writing import completed_series, unwritable
 from lapjoint.problem import Problem
 from lapjoint.problem.files import problem_tables_json
 from validation.case import CaseResult
-from validation.report.drawing import drawing
+from validation.report.drawing import NARROW_HEIGHT, drawing
+from validation.report.own import own_problem
 from validation.report.page import page, views
-from validation.report.records import case_record, faults_sheet, kinds_sheet, parameters_sheet, summary_sheet
+from validation.report.records import case_record, faults_sheet, kinds_sheet, summary_sheet
 from validation.report.table_files import remove_sheets, write_sheets
 from validation.report.uncertainty_budget import overall_sheet
 
@@ -30,7 +32,12 @@ _PACKAGES = (
 
 
 def write_reports(
-    results: Sequence[CaseResult], level: str, output: Path, seconds: float, problem: Problem | None = None
+    results: Sequence[CaseResult],
+    level: str,
+    output: Path,
+    seconds: float,
+    problem: Problem | None = None,
+    source: str = "",
 ) -> tuple[Path, Path]:
     """Write the reports into `output`; files of an earlier report stay until all new ones are complete.
 
@@ -46,6 +53,8 @@ def write_reports(
         Run time of all.
     problem : Problem, optional
         The one problem that was compared; None for the suite.
+    source : str
+        Where the problem comes from, as the command line names it.
 
     Returns
     -------
@@ -66,16 +75,25 @@ def write_reports(
         "versions": {name: found for name in _PACKAGES if (found := _version(name))},
     }
     if problem is not None:
-        about["problem"] = problem_tables_json(problem)
+        about |= {"problem": problem_tables_json(problem), "source": source}
     shown = views(results)
     overall = {"summary": summary_sheet(results), "kinds": kinds_sheet(results), "budget": overall_sheet(results)}
-    overall |= {"faults": faults_sheet()} if problem is None else {"parameters": parameters_sheet(problem)}
-    joint = drawing("The joint", plot_joint(paper_joint() if problem is None else problem))
+    if problem is None:
+        overall["faults"] = faults_sheet()
+    own = None if problem is None else own_problem(problem, source, results)
+    shown_joint = paper_joint() if problem is None else problem
+    narrow = plot_joint(shown_joint, new_axes(COLUMN_WIDTH, NARROW_HEIGHT))
+    joint = drawing("The joint", plot_joint(shown_joint), narrow)
     data: dict[str, Any] = {"about": about, "cases": [case_record(result) for result in results]}
     try:
         with completed_series(output, lambda: remove_sheets(output)) as draft:
-            write_sheets([*overall.values(), *(sheet for view in shown for sheet in view.sheets)], draft)
-            (draft / _PAGES[0]).write_text(page(shown, overall, about, joint), encoding="utf-8", newline="")
+            sheets = [
+                *overall.values(),
+                *(own.asked if own else ()),
+                *(sheet for view in shown for sheet in view.sheets),
+            ]
+            write_sheets(sheets, draft)
+            (draft / _PAGES[0]).write_text(page(shown, overall, about, joint, own), encoding="utf-8", newline="")
             text = json.dumps(data, indent=1, allow_nan=False) + "\n"
             (draft / _PAGES[1]).write_text(text, encoding="utf-8", newline="")
     except OSError as error:

@@ -11,7 +11,7 @@ from population import driven_joint
 from lapjoint.errors import RecordWarning
 from lapjoint.problem.files import from_toml
 from validation.cases import own_problem
-from validation.report.records import parameters_sheet
+from validation.report.asked import problem_sheets
 from validation.verdict import Verdict
 
 WORN = """
@@ -137,8 +137,8 @@ def test_a_joint_without_an_equilibrium_of_interest_has_none_judged(changed: dic
 
 
 def test_the_report_lists_each_segment_of_a_beam_by_its_values() -> None:
-    (beam,) = (text for part, text in parameters_sheet(from_toml(WORN)).rows if part == "beam")
-    assert "segments[0].to = 0.2, segments[0].section.shape = rectangle" in str(beam)
+    (beam,) = (text for part, text in problem_sheets(from_toml(WORN))[0].rows if part == "beam")
+    assert "segments: (to 0.2 m, section: shape rectangle" in str(beam)
     assert "{" not in str(beam)
 
 

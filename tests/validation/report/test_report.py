@@ -17,8 +17,8 @@ import validation.report.page
 from lapjoint import Beam, BeamSegment, Problem, paper_joint
 from lapjoint.errors import OutputError
 from validation.case import CaseResult
+from validation.report.asked import problem_sheets
 from validation.report.page import sentence, short, significant
-from validation.report.records import parameters_sheet
 from validation.report.table_files import Sheet, distinct, slug
 from validation.report.uncertainty_budget import shares
 from validation.report.write import write_reports
@@ -167,13 +167,15 @@ def test_the_first_screen_convinces(outline: Outline) -> None:
 
 
 def test_an_own_problem_is_what_its_page_is_about(tmp_path: Path) -> None:
-    joint = paper_joint().replace(title=f"My joint {HOSTILE}")
+    joint = paper_joint(angular_frequency=515.0).replace(title=f"My joint {HOSTILE}")
     write_reports(everything(), "quick", tmp_path, 1.0, joint)
     page = Outline((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert f"My joint {HOSTILE}" in page.text
     assert "paper right" not in page.text
-    for value in ("stops[0]", "gap = 0.001", "material.density = 7890"):
+    for value in ("gap [m]", "density 7890 kg/m3", "angular frequency 515 rad/s (81.96 Hz)"):
         assert value in page.text
+    parts = ["asked", "answer", "believe", "assumed"]
+    assert [name for name in page.ids if name in parts] == parts
     assert page.wrong == []
     assert "faults" not in page.ids
 
@@ -283,11 +285,12 @@ def test_frequencies_stand_in_hz_too(tmp_path: Path) -> None:
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "omega_1 [rad/s]" in page
     assert "47.75 Hz." in page
-    assert "angular_frequency = 515 (81.96 Hz)" in page
+    assert "angular frequency 515 rad/s (81.96 Hz)" in page
 
 
 def test_the_segments_of_a_beam_are_written_value_by_value() -> None:
     segments = tuple(BeamSegment(to=to, bending_stiffness=9.0, mass_per_length=2.0) for to in (0.5, 1.0))
-    ((_, values),) = parameters_sheet(Problem(beam=Beam(length=1.0, segments=segments))).rows
-    assert "segments[0].to = 0.5, segments[0].bending_stiffness = 9" in str(values)
-    assert "segments[1].to = 1" in str(values)
+    (sheet,) = problem_sheets(Problem(beam=Beam(length=1.0, segments=segments)))
+    ((_, values),) = sheet.rows
+    each = "bending stiffness 9 N m2, mass per length 2 kg/m"
+    assert f"segments: (to 0.5 m, {each}), (to 1 m, {each})" in str(values)
