@@ -388,8 +388,9 @@ def _draw_drive(page: _Page, plan: _Plan) -> None:
         tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if plan.below(place) else (-_HALF, -1.5)
         page.arrow(x, y + tip, y + tail, "->")
         far = y + max(tip, tail, key=abs)
-        sides = ((-0.12, "right"), (0.12, "left"))
-        _ = any(page.say(x + to, far, text, _DRIVE, side) for text in _said_of_load(load) for to, side in sides)
+        beyond = far + math.copysign(_LINE, far - y)
+        places = ((x - 0.12, far, "right"), (x + 0.12, far, "left"), (x, beyond, "center"))
+        _ = any(page.say(u, w, text, _DRIVE, side) for text in _said_of_load(load) for u, w, side in places)
 
 
 def _said_of_load(load: PointLoad) -> tuple[str, ...]:
@@ -439,6 +440,9 @@ def _draw_positions(page: _Page, plan: _Plan) -> None:
     at += [support.x for support in structure.supports] + [mass.x for mass in structure.masses]
     at += [x for stop in structure.stops for x, _ in stop.reading]
     at += [x for link in structure.links for x in (link.first, link.second)]
+    at += [structure.line.at(load.x) for load in plan.problem.point_loads]
+    loaded = (uniform_load_shape(load, structure.line).pieces for load in plan.problem.uniform_loads)
+    at += [end for pieces in loaded for first, last, _ in pieces for end in (first, last)]
     page.line([0.0, _WIDE], [_BELOW, _BELOW], GREY, 0.7)
     page.say(_WIDE, _BELOW - 0.42, f"{right:g}", GREY, "center")
     _ = page.say(_WIDE + 0.5, _BELOW - 0.42, "x [m]", GREY) or page.say(_WIDE + 0.25, _BELOW, "x [m]", GREY)

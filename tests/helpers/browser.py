@@ -25,7 +25,7 @@ LIGHT, DARK = 1, 0
 """What the browser calls the two schemes of colours."""
 SERIOUS = ("serious", "critical")
 """Impacts of an accessibility checker's findings that no page may have."""
-_LOOK = """<!doctype html><meta charset="utf-8"><body><script>
+_LOOK = r"""<!doctype html><meta charset="utf-8"><body><script>
 const PAGES = %(pages)s, WIDTHS = %(widths)s, AXE = %(axe)s;
 const MOVES = ["fixed", "sticky"];  // what stays in sight lies on what scrolls below it
 function overlaps(shown, view) {
@@ -56,6 +56,22 @@ function overlaps(shown, view) {
   }
   return found;
 }
+function broken(shown, view) {
+  const found = [];
+  const texts = shown.createTreeWalker(shown.body, NodeFilter.SHOW_TEXT);
+  while (texts.nextNode()) {
+    const text = texts.currentNode, parent = text.parentElement;
+    if (!parent.closest(".kept table") || !parent.checkVisibility()) continue;
+    for (const word of text.data.matchAll(/[^ \\n/:-]+/g)) {
+      const range = shown.createRange();
+      range.setStart(text, word.index);
+      range.setEnd(text, word.index + word[0].length);
+      const lines = new Set([...range.getClientRects()].map((r) => Math.round(r.top)));
+      if (lines.size > 1) found.push(word[0]);
+    }
+  }
+  return found;
+}
 async function look(page, width) {
   const frame = document.createElement("iframe");
   frame.style = `width:${width}px;height:800px;border:0`;
@@ -72,6 +88,7 @@ async function look(page, width) {
   const found = {page, width, page_width: shown.documentElement.scrollWidth, tables: boxes.length, beyond};
   found.cut = cut.map((e) => e.outerHTML.slice(0, 200));
   found.overlaps = overlaps(shown, frame.contentWindow);
+  found.broken = broken(shown, frame.contentWindow);
   if (AXE) {
     const script = shown.createElement("script");
     script.textContent = AXE;
@@ -110,6 +127,8 @@ class Seen:
     """Elements whose text is cut off."""
     overlaps: list[list[str]]
     """Pairs of texts that lie on each other."""
+    broken: list[str]
+    """Words of tables that go on in the next line."""
     violations: list[list[str]]
     """Findings of the accessibility checker: rule, impact, and where first."""
 

@@ -70,17 +70,25 @@ def matched(blocks: Mapping[str, Sequence[Block]]) -> list[tuple[str, tuple[str,
 
 def tables_of(problem: Problem, blocks: Mapping[str, Sequence[Block]]) -> tuple[Table, ...]:
     """The blocks of each solver, by its name, as tables of both."""
-    place = "place x [m]" if not problem.line.several else "place, beam:x [m]"
-    return tuple(
-        _side_by_side(title, heads, rows, tuple(blocks), place)
-        if len(heads) <= SIDE_BY_SIDE
-        else _below_each_other(title, heads, rows, tuple(blocks))
-        for title, heads, rows in matched(blocks)
-    )
+    place, solvers = "place x [m]" if not problem.line.several else "place, beam:x [m]", tuple(blocks)
+    tables: list[Table] = []
+    for single, group in itertools.groupby(matched(blocks), key=lambda block: block[1] == ("",)):
+        several = list(group)
+        if single and len(several) > 1:  # one number of each stop: all such blocks make one table
+            labelled = [replace(pair, label=title) for title, _, rows in several for pair in rows]
+            tables.append(_side_by_side("At the stops", ("",), labelled, solvers, "stop"))
+            continue
+        for title, heads, rows in several:
+            if len(heads) > SIDE_BY_SIDE:
+                tables.append(_below_each_other(title, heads, rows, solvers))
+            else:
+                where = place if any(pair.label for pair in rows) else "stop"
+                tables.append(_side_by_side(title, heads, rows, solvers, where))
+    return tuple(tables)
 
 
 def _side_by_side(
-    title: str, heads: tuple[str, ...], rows: Sequence[Pair], solvers: tuple[str, ...], place: str
+    title: str, heads: tuple[str, ...], rows: Sequence[Pair], solvers: tuple[str, ...], where: str
 ) -> Table:
     grouped = any(pair.label for pair in rows)
     columns = [f"{head}, {solver}" if head else solver for head in heads for solver in solvers]
@@ -92,7 +100,7 @@ def _side_by_side(
         ]
         for pair in rows
     ]
-    first = ["quantity", place] if grouped else ["stop"]
+    first = ["quantity", where] if grouped else [where]
     return table(title, [*first, *columns], written, grouped=grouped)
 
 

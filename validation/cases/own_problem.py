@@ -13,7 +13,7 @@ import lapjoint
 from lapjoint import Outcome, Problem, SteadyState, contact_states
 from lapjoint.errors import InputError
 from lapjoint.figures.text import error_text
-from lapjoint.solver import Solver
+from lapjoint.solver import make_solver
 from lapjoint.summaries.blocks import Block, steady_blocks
 from lapjoint.summaries.measure import duration_of
 from lapjoint.summaries.statistics_blocks import statistics_blocks
@@ -29,8 +29,8 @@ from validation.report.page import significant
 from validation.uncertainty import elements, refined_estimate
 from validation.verdict import Check, ErrorSource, Estimate
 
-SOLVERS: tuple[Solver, Solver] = (analytic.Solver(), fe_lapjoint.Solver())
-"""The solvers with the numerical options that the command line has by default."""
+SOLVERS: dict[str, dict[str, int]] = {"analytic": {}, "fe": {}}
+"""Numerical options of the solvers, by their names; without options they are those of the command line."""
 NAMES = ("analytic", "FE")
 UNITS = {"quick": 4, "standard": 8, "full": 32}
 """Units, each of twenty decay times, of the statistics of random motion: four give intervals with three degrees of
@@ -184,12 +184,13 @@ def sizes(problem: Problem, blocks: Sequence[Block]) -> tuple[str, ...]:
 def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The steady state, if the excitation has one frequency."""
     say("steady state")
-    one, other = (solver.steady_state(problem) for solver in SOLVERS)
+    solvers = [make_solver(name, **options) for name, options in SOLVERS.items()]
+    one, other = (solver.steady_state(problem) for solver in solvers)
     explanation = ""
     same = same_motion(one, other)
     if not same:
         say("why the two motions differ")
-        explanation = why_they_differ(problem, Motion(SOLVERS[0], one), Motion(SOLVERS[1], other))
+        explanation = why_they_differ(problem, Motion(solvers[0], one), Motion(solvers[1], other))
     notes = [outcome.value for outcome in dict.fromkeys((one.outcome, other.outcome))]
     a, b = (Estimate(float(found.period_multiple), 0.0, found.solver) for found in (one, other))
     checks = [Check("excitation periods after which it repeats (0: never)", "1", a, b, explanation=explanation)]
@@ -204,7 +205,7 @@ def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
         found, unknown = checks_of(compared, [_how(one), _how(other)], explanation)
         checks += found
         if unknown:
-            notes.append(f"{unknown} numbers have no stated error by one of the solvers, and are not compared.")
+            notes.append(f"Numbers without a stated error by one of the solvers, which are not compared: {unknown}.")
     if explanation:
         notes.append(explanation)
     criteria = [it for found in (one, other) for it in steady_witness(found, WITNESS_TOLERANCE, found.solver)]
@@ -280,7 +281,7 @@ def statistics_lasting(problem: Problem, level: Level, duration: float | None) -
         return 0.0
     if duration is not None:
         return duration
-    enough = duration_of(problem, SOLVERS[0], UNITS[level])
+    enough = duration_of(problem, make_solver("analytic", **SOLVERS["analytic"]), UNITS[level])
     if math.isfinite(problem.longest) and (level != "quick" or enough >= problem.longest):
         return problem.longest
     if not math.isfinite(enough):
@@ -298,10 +299,10 @@ def statistics(problem: Problem, level: Level, say: Say, duration: float | None 
         "solvers in the long run, so their statistics are compared within their intervals, widened so that all of them "
         "are to hold together."
     )
-    for name, solver in zip(NAMES, ("analytic", "fe"), strict=True):
+    for name, (solver, options) in zip(NAMES, SOLVERS.items(), strict=True):
         say(f"{lasting:g} s by {solver}")
         try:
-            found[name] = lapjoint.statistics(problem, solver, duration=lasting)
+            found[name] = lapjoint.statistics(problem, solver, duration=lasting, options=options)
         except InputError as error:
             if duration is not None:
                 raise
@@ -311,7 +312,7 @@ def statistics(problem: Problem, level: Level, say: Say, duration: float | None 
     checks, unknown = checks_of(blocks, how)
     notes = list(dict.fromkeys(line for each in found.values() for line in each.attrs["remarks"].split("\n") if line))
     if unknown:
-        notes.append(f"{unknown} numbers have no finite interval by one of the solvers, and are not compared.")
+        notes.append(f"Numbers without a finite interval by one of the solvers, which are not compared: {unknown}.")
     rows = [
         (title, *(text(each.attrs) for each in found.values()))
         for title, text in (

@@ -17,6 +17,8 @@ _UNIT = re.compile(r", ((?:kg|m|N|Pa|s|rad|Hz)\d?(?:[ /](?:kg|m|N|Pa|s|rad|Hz)\d
 """The unit of a field in its description, as in "Gap when the beams are straight, m; below 0 an interference"."""
 _SHOWN = 12
 """Values of a row that a table shows: a record has thousands."""
+_DIGEST = 12
+"""Digits of the digest of a file that are shown, enough to tell files apart."""
 _NOT_SHOWN = ("title", "schema_version")
 
 
@@ -31,7 +33,7 @@ def problem_sheets(problem: Problem) -> list[Sheet]:
         models, name = getattr(problem, key), key.replace("_", " ")
         if not isinstance(part, Sequence) or isinstance(part, str):
             rows.append((name, ", ".join(_written(part, models))))
-        elif any(isinstance(value, list | dict) for one in part for value in one.values()):
+        elif any("file" in one or any(isinstance(value, list | dict) for value in one.values()) for one in part):
             rows += [
                 (f"{name} {i + 1}", ", ".join(_written(*of))) for i, of in enumerate(zip(part, models, strict=True))
             ]
@@ -88,6 +90,8 @@ def _besides(value: object, key: str) -> str:
 def _value(value: object, key: str) -> str:
     if isinstance(value, list):
         return f"[{', '.join(_value(one, key) for one in value[:_SHOWN])}{_more(value)}]"
+    if key == "sha256":
+        return f"{str(value)[:_DIGEST]}..."
     return "∞" if value == "inf" else f"{value:.10g}" if isinstance(value, float) else str(value)
 
 

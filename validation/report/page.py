@@ -30,6 +30,9 @@ PRINT_SCRIPT = (
 )
 """Opens the folded cases for printing, and the case that holds the target of a link, in browsers that do not do so
 themselves."""
+_ON_PAPER = 36
+"""Most rows of the answer that are printed: with more, a place of the beam is left out unless a quantity is largest
+there, so that two pages are enough."""
 PICTURED = ("ledger", "steady", "transient")
 """Cases whose first figure may stand on the first screen, the best first."""
 
@@ -239,6 +242,7 @@ def page(
         about=about,
         own=own,
         answering=answering(shown),
+        crowded=sum(len(sheet.rows) for view in answering(shown) for sheet in view.answer) > _ON_PAPER,
         joint=with_own_ids(joint, "joint"),
         picture=first_picture(shown),
         sentence=sentence([view.result for view in shown]),

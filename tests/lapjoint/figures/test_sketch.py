@@ -109,8 +109,11 @@ def test_everything_that_rests_on_a_joint_is_in_its_sketch() -> None:
         ),
         gravity=Gravity(acceleration=-9.81),
         uniform_loads=(UniformLoad(start=0.1, to=0.25, force_per_length=-30.0),),
+        point_loads=(StepLoad(x=0.52, force=-12.0), SineLoad(x=0.38, force=7.0, angular_frequency=4.0)),
     )
     drawn = " ".join(texts(plot_joint(joint)))
+    for part in ("-12 N", "7 N", "0.1", "0.25", "0.38", "0.52"):  # each load, and its place on the axis
+        assert part in drawn.split() if part.startswith("0") else part in drawn
     for part in ("clevis", "m 0.8 kg", "J 0.0004 kg m2", "interference 1e-05 m", "fixed in space", "9.81 m/s2"):
         assert part in drawn
     for part in ("-30 N/m", "0.2", "gap 0.001 m", "c 70 N s/m"):
