@@ -217,8 +217,8 @@ def first_picture(shown: Sequence[View]) -> Drawing | None:
 def answering(shown: Sequence[View]) -> list[View]:
     """The cases whose answers stand on the first page: first contacts only where there is nothing that lasts."""
     found = [view for view in shown if view.answer]
-    lasting = [view for view in found if view.result.name != "transient"]
-    return lasting or found
+    lasts = any(view.result.name in ("steady", "statistics") for view in found)
+    return [view for view in found if view.result.name != "transient" or not lasts]
 
 
 def page(
