@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
 from validation.verdict import Check, Criterion, Verdict
 
+_NARROW = 300.0
+"""Width, points, up to which a figure can be read on a narrow screen: that of the screen."""
 Level = Literal["quick", "standard", "full"]
 Say = Callable[[str], None]
 """Called with one line of progress."""
@@ -32,6 +35,12 @@ class Drawing:
     svg: str
     narrow: str = ""
     """The same for narrow screens, where the figure would be too small to read; empty where it would not."""
+
+    @property
+    def scrolls(self) -> bool:
+        """Whether the figure is too wide for narrow screens, and has no other drawing for them."""
+        width = re.search(r'width="([\d.]+)pt"', self.svg)
+        return not self.narrow and width is not None and float(width[1]) > _NARROW
 
 
 @dataclass(frozen=True)
