@@ -145,7 +145,7 @@ def test_a_problem_of_ones_own_is_compared(tmp_path: Path) -> None:
     assert status == 0
     assert [case["name"] for case in data["cases"]] == ["frequencies"]
     assert data["about"]["problem"] == problem_tables_json(sdnl104())
-    assert page.count("<svg") == 1  # the sketch; no figure of the case
+    assert page.count("<svg") == 2  # the sketch, for wide and for narrow screens; no figure of the case
 
 
 def test_unknown_cases_and_unwritable_reports_are_named(tmp_path: Path) -> None:

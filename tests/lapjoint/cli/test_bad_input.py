@@ -153,6 +153,12 @@ BAD_COMMANDS: list[tuple[str, tuple[str, ...], str]] = [
     ("no such peer", ("validate", "--peers", "magic"), "--peers magic: solver = 'magic' is not installed"),
     ("a case without its peers", ("validate", "--case", "peers"), "--peers opensees"),
     ("changes to nothing", ("validate", "--set", "stops.*.gap=1"), "--set: it changes a PROBLEM, and none is given"),
+    ("a duration of nothing", ("validate", "--duration", "3"), "--duration: it is that of the motions of a PROBLEM"),
+    (
+        "a duration of a steady state",
+        ("validate", "preset:paper", "--duration", "3"),
+        "duration = 3: this problem has no record and no random excitation",
+    ),
     ("no such file to validate", ("validate", "missing.toml"), "missing.toml: cannot be read"),
     ("nothing swept", (*NOWHERE, *OUT), "nothing is swept; give --from and --to, or --over"),
     ("half a range", (*NOWHERE, *OUT, "--from", "1"), "--to: is missing"),
