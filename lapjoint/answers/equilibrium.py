@@ -79,7 +79,7 @@ class Extreme:
     """Estimate of the numerical error of the value."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Equilibrium(Shown):
     """The static equilibrium of a joint, with its contact forces and the means to evaluate it anywhere.
 

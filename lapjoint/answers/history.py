@@ -87,7 +87,7 @@ def penetration_of(problem: Problem, seen: FloatArray) -> FloatArray:
     return np.asarray(sign * seen - gap)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class History(Shown):
     """A motion from `start` to `end`, with its contacts and the means to evaluate it anywhere."""
 

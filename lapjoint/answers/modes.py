@@ -32,7 +32,7 @@ class ModeShapes(Protocol):
         """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Modes(Shown):
     """Natural frequencies and mass-normalised mode shapes (16)-(17) of one contact state."""
 

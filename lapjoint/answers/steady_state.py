@@ -151,7 +151,7 @@ class Comparison:
     """Error that refinement does not reveal, divided by the largest value."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SteadyState(Shown):
     """The motion that remains, and the certificate of how it was established."""
 

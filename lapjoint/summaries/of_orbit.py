@@ -21,6 +21,7 @@ import numpy as np
 from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import History
 from lapjoint.answers.quantities import QUANTITIES
+from lapjoint.answers.shown import Shown
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
@@ -55,8 +56,8 @@ SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms
 """Names of all values of a summary."""
 
 
-@dataclass(frozen=True)
-class OrbitSummary:
+@dataclass(frozen=True, repr=False)
+class OrbitSummary(Shown):
     """Peaks, root mean squares and contact times of a steady state."""
 
     selection: Selection

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 import analytic
-from lapjoint import FREE, History, SteadyState, paper_joint
+from lapjoint import FREE, History, SteadyState, paper_joint, summarise
 from lapjoint.answers import Equilibrium, Modes
 
 SOLVER = analytic.Solver(n_modes=6)
@@ -89,3 +89,31 @@ def test_steady_state(errors: bool) -> None:
 def test_a_motion_without_stops_has_no_table() -> None:
     page, _ = shown(SOLVER.simulate(paper_joint().replace(stops=()), 0.05))
     assert "<table>" not in page
+
+
+@pytest.mark.parametrize("errors", [True, False])
+def test_answers_print_short_and_give_all_to_pandas(errors: bool) -> None:
+    joint = paper_joint(angular_frequency=515.0)
+    found = SOLVER.steady_state(joint, errors=errors)
+    marched = SOLVER.simulate(joint, 0.1, errors=errors)
+    for answer in (SOLVER.modes(joint), found, marched, SOLVER.equilibrium(joint), summarise(found)):
+        text = repr(answer)
+        assert text.startswith(f"{type(answer).__name__}: ")
+        assert text.count("\n") < 20
+        assert max(map(len, text.splitlines())) < 120
+        assert answer._repr_html_().startswith("<div>")
+    frame = found.to_pandas()
+    assert frame["impulse_per_period"].tolist() == found.impulses.tolist()
+    assert ("impulse_per_period_error" in frame) is errors
+    assert frame.attrs["units"]["impulse_per_period"] == "N s"
+    assert marched.to_pandas()["start"].tolist() == [c.start for c in marched.contacts]
+    assert f"... and {len(marched.contacts) - 12} more" in repr(marched)
+    values = summarise(found)
+    long = values.to_pandas().set_index(["value_of", "at"])
+    assert long.loc[("force_peak", "P4"), "value"] == values.values["force_peak"][2]
+    assert long.loc[("velocity_rms", "2.5 m"), "unit"] == "m/s"
+
+
+def test_a_title_cannot_break_the_lines_of_a_text() -> None:
+    shown = repr(SOLVER.simulate(paper_joint().replace(title="a\nb\x1b[31m", stops=()), 0.05))
+    assert shown.splitlines()[0] == "History: a b [31m"
