@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from pages import assert_session, blocks
+from pages import SCATTER, alike, assert_session, blocks
 
 from lapjoint import AtEquilibrium, paper_joint
 from lapjoint.cli.main import main
@@ -270,16 +270,32 @@ def test_every_option_that_a_page_names_is_one() -> None:
                 assert option in known or code.startswith(("pip ", "dask ")), (name, code)
 
 
-TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
+TUTORIALS = [DOCS / "tutorial.md", *sorted((DOCS / "tutorials").glob("*.md"))]
+FIVE_AND_MORE = {"init", "modes", "steady", "sweep", "validate", "statistics", "plot"}
+"""The README's five commands, and two that it names beside them."""
 
 
 @pytest.mark.thorough
-def test_the_commands_of_the_tutorial_print_what_stands_below_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_the_commands_of_a_tutorial_print_what_stands_below_them(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (problem,) = blocks("toml", TUTORIAL)
-    Path("tube.toml").write_text(problem, encoding="utf-8")
-    commands = [line for block in blocks("console", TUTORIAL) for line in assert_session(block)]
-    assert len(commands) >= 6
-    assert Path("tube.pdf").stat().st_size > 1000
+    text = page.read_text(encoding="utf-8")
+    (problem,) = blocks("toml", text)
+    (name,) = set(re.findall(r"^\$ lapjoint \w+ (\S+\.toml)", text, re.MULTILINE))
+    Path(name).write_text(problem, encoding="utf-8")
+    lines = [line for block in blocks("console", text) for line in assert_session(block)]
+    words = [shlex.split(line) for line in lines]
+    assert len(lines) >= 3
+    assert {line[0] for line in words} <= FIVE_AND_MORE
+    for figure in (one for line in words for one in line if one.endswith(".pdf")):
+        assert Path(figure).stat().st_size > 1000
+
+
+def test_a_row_of_statistics_is_compared_by_its_words_and_its_first_number() -> None:
+    row = "plate 1, above   {:.5g}   26.37   {}"
+    assert alike(row.format(27.0, 28.87), row.format(27.0 * (1 + 0.9 * SCATTER), "?"))
+    assert not alike(row.format(27.0, 28.87), row.format(27.0 * (1 + 1.1 * SCATTER), 28.87))
+    assert not alike(row.format(27.0, 28.87), row.format(27.0, 28.87).replace("above", "below"))
+    assert not alike(row.format(27.0, 28.87), row.format(27.0, ""))
