@@ -28,6 +28,8 @@ class Spec(ABC):
     """Name of the work in messages: sweep, ..."""
     cells_noun: ClassVar[str]
     """Name of several cells in messages: points, ..."""
+    grows: ClassVar[bool] = False
+    """Whether further cells become known while the work goes on, so that progress shows no remaining time."""
     if TYPE_CHECKING:  # fields of each dataclass below
 
         @property

@@ -43,8 +43,9 @@ class Running(TypedDict, total=False):
     call resumes.  A file that holds the finished dataset is read, and nothing is computed."""
     force: bool
     """Whether the result or the journal of other work in `out` may be thrown away."""
-    progress: Progress | None
-    """Called with the number of cells done (points, chunks of starts, branches, ...), and the number known of; where
+    progress: Progress | bool | None
+    """True shows how far the work is, as the command line does: a bar on a terminal, lines elsewhere.  Or a function,
+    called with the number of cells done (points, chunks of starts, branches, ...), and the number known of; where
     this process solves the cells of long motions and branches, also with the fraction of a cell under way."""
 
 
@@ -55,7 +56,7 @@ def run_job(
     scheduler: str | None = None,
     out: str | Path | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """The dataset of a job, from `out` if the file holds it finished, else found; `Running` documents the arguments."""
     found = None if out is None else stored(job.spec, out, force=force)
@@ -64,13 +65,27 @@ def run_job(
     crew = Crew(check_workers(workers), scheduler)
     job.check()
     if out is None:
-        return _solved(job, Answers(), crew, progress)
+        with _told(job.spec, progress) as tell:
+            return _solved(job, Answers(), crew, tell)
     journal = Journal(job, out, force=force)
     with journal.going():
-        dataset = _solved(job, journal, crew, progress)
+        with _told(job.spec, progress) as tell:
+            dataset = _solved(job, journal, crew, tell)
         write_netcdf(dataset, out)
         journal.remove()
     return dataset
+
+
+@contextmanager
+def _told(spec: Spec, progress: Progress | bool | None) -> Iterator[Progress | None]:
+    """What is called with the progress of a campaign: the given function, or a display, as the command line has it."""
+    if progress is not True:
+        yield progress or None
+        return
+    from lapjoint.cli.progress import shown_points, shown_search  # rich is loaded for those who want it
+
+    with (shown_search if spec.grows else shown_points)(spec.noun) as shown:
+        yield shown
 
 
 def stored(spec: Spec, out: str | Path, *, force: bool = False) -> xr.Dataset | None:

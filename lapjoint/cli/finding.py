@@ -13,11 +13,10 @@ if TYPE_CHECKING:
     from lapjoint.campaigns.job import Job
 
 
-def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work, *, search: bool = False) -> xr.Dataset:
+def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work) -> xr.Dataset:
     """The dataset of a job: read from its file if the file is finished, else found, with progress under a `title`.
 
-    `holds` names the content of a finished file, for example "this sweep".  With `search`, the amount of work is not
-    known in advance, and progress shows no remaining time.
+    `holds` names the content of a finished file, for example "this sweep".
     """
     from lapjoint.campaigns.running import run_job, stored
     from lapjoint.cli.progress import shown_points, shown_search
@@ -26,7 +25,7 @@ def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work, *, s
     if there is not None:
         echo(f"{work.out}: holds {holds} already, finished")
         return there
-    with (shown_search if search else shown_points)(title) as progress:
+    with (shown_search if job.spec.grows else shown_points)(title) as progress:
         found = run_job(job, progress=progress, **work._asdict())
     if work.out is not None:
         echo(f"Wrote {work.out}")

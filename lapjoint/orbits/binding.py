@@ -30,6 +30,7 @@ from lapjoint.orbits.period_map import PeriodMap, decay_periods
 from lapjoint.orbits.search import FIRST_LOOK, FIRST_LOOK_NEAR, Effort, SteadyStateSearch, as_linearised
 from lapjoint.orbits.trapping import Trap
 from lapjoint.problem import FloatArray
+from lapjoint.solver import Progress
 
 _STRIDE = 4
 """Least number of periods between two comparisons; later the interval is an eighth of the periods marched, so that
@@ -75,14 +76,19 @@ class Binder:
         return other
 
     @in_one_thread
-    def ends(self, starts: Sequence[SectionPoint]) -> list[StartEnd]:
-        """The end of each start; motions that are found on the way are added to `motions`."""
+    def ends(self, starts: Sequence[SectionPoint], progress: Progress | None = None) -> list[StartEnd]:
+        """The end of each start; motions that are found on the way are added to `motions`.
+
+        `progress` is called with the number of starts that have ended, and of all.
+        """
         group = _StartGroup(ensemble_of(self._map, starts), len(starts))
         while group.marching.size:
             self._march(group, group.marched + self._patience)
             found = False
             while group.marching.size and not found:
                 found = self._search(group, int(group.marching[0]))
+                if progress is not None:
+                    progress(len(starts) - group.marching.size, len(starts))
         return [end for end in group.ends if end is not None]
 
     @property

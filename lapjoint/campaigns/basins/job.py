@@ -42,9 +42,9 @@ class BasinJob(Job[BasinPlan, ChunkEnds]):
     def answer(
         self, cell: int, solver: Solver, section: PlainSection | None, progress: Progress | None = None
     ) -> tuple[ChunkEnds, None]:
-        """Where the starts of a cell end."""
+        """Where the starts of a cell end; `progress` is called with the number that have ended, and of all."""
         library = NO_LIBRARY if cell < self.first_stage else self.libraries[self.spec.chunk(cell).value]
-        return solve_chunk(self.spec, cell, library), None
+        return solve_chunk(self.spec, cell, library, progress), None
 
     def point(self, fields: Mapping[str, Any]) -> ChunkEnds:
         """The ends of a chunk from their attributes."""

@@ -22,6 +22,7 @@ from lapjoint.orbits.displaced import DisplacedStarts, energy_roots, plane_direc
 from lapjoint.parts import require
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.plane import Plane
+from lapjoint.solver import Progress
 
 UNBOUND = -1
 """Index in place of a motion for a start that is bound to no motion."""
@@ -91,13 +92,13 @@ class Prepared:
     """Knows the library."""
 
 
-def solve_chunk(plan: BasinPlan, cell: int, library: str) -> ChunkEnds:
+def solve_chunk(plan: BasinPlan, cell: int, library: str, progress: Progress | None = None) -> ChunkEnds:
     """Where the starts of a chunk end, given a library of known motions as text, see `library_text`."""
     try:
         value, starts = plan.chunk(cell)
         this = prepared(plan, value, library)
         binder, known = this.binder.again(), len(this.binder.motions)
-        ends = binder.ends([start_of(plan, this, value, number) for number in starts])
+        ends = binder.ends([start_of(plan, this, value, number) for number in starts], progress)
     except InputError as error:
         raise InputError(f"{_described(plan, cell)}: {error}" if plan.grid else str(error)) from None
     return ChunkEnds(

@@ -49,6 +49,7 @@ class BranchSpec(Spec):
     """
 
     noun: ClassVar[str] = "search for branches"
+    grows: ClassVar[bool] = True
     problem: Problem
     path: str
     first: float

@@ -185,3 +185,23 @@ def test_a_campaign_keeps_its_name_when_all_of_its_package_is_imported() -> None
         ]
     )
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+@pytest.mark.thorough
+def test_true_shows_the_progress_of_every_campaign(
+    finished: Finished, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("lapjoint.cli.progress.EARLY", 0.0)
+    xr.testing.assert_identical(finished.campaign(progress=True), finished.dataset)
+    assert f"{finished.campaign.noun}: " in capsys.readouterr().err
+    finished.campaign(progress=False)
+    assert not capsys.readouterr().err
+
+
+def test_basins_tell_how_many_starts_of_a_chunk_have_ended() -> None:
+    shown = list[tuple[float, float]]()
+    basins(**CAMPAIGNS["basins"].given | {"starts": 4}, progress=lambda *now: shown.append(now))
+    done = [one for one, _ in shown]
+    assert done == sorted(done)
+    assert any(one % 1 for one in done)
+    assert (done[0], {all_ for _, all_ in shown}) == (0, {2})
