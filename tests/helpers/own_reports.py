@@ -23,7 +23,7 @@ from validation.verdict import Check, Estimate
 
 COARSE: dict[str, dict[str, int]] = {"analytic": {"n_modes": 4}, "fe": {"elements": 4}}
 """Options of the solvers: no accuracy is asked of these reports."""
-OPTIONS = {"analytic": ("--modes", "4"), "fe": ("--elements", "4", "--solver", "fe")}
+OPTIONS = {"analytic": ("--n-modes", "4"), "fe": ("--elements", "4", "--solver", "fe")}
 """The same on the command line."""
 DURATION = 6.0
 """Of motions under records and random excitation, s."""
