@@ -189,6 +189,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAG
     _say_supports(page, plan)
     _name_stops(page, plan)
     _name_masses(page, plan)
+    _say_loads(page, plan)
     _say_links(page, plan)
     return axes
 
@@ -384,12 +385,24 @@ def _draw_drive(page: _Page, plan: _Plan) -> None:
         _ = page.say(-_LEFT + 0.05, 1.35, text, _DRIVE) or page.say(-_LEFT + 0.05, -1.35, text, _DRIVE)
     for load in problem.point_loads:
         place = problem.line.at(load.x)
-        x, y, down = plan.x(place), plan.y(place), isinstance(load, StepLoad) and load.force < 0
-        tip, tail = (_HALF, 1.5) if down else (1.5, _HALF) if plan.below(place) else (-_HALF, -1.5)
-        page.arrow(x, y + tip, y + tail, "->")
-        far = y + max(tip, tail, key=abs)
-        beyond = far + math.copysign(_LINE, far - y)
-        places = ((x - 0.12, far, "right"), (x + 0.12, far, "left"), (x, beyond, "center"))
+        head, tail = _ends_of(load, plan)
+        page.arrow(plan.x(place), plan.y(place) + head, plan.y(place) + tail, "->")
+
+
+def _ends_of(load: PointLoad, plan: _Plan) -> tuple[float, float]:
+    """Heights of head and tail of the arrow of a load above the beam."""
+    if isinstance(load, StepLoad) and load.force < 0:
+        return _HALF, 1.5
+    return (1.5, _HALF) if plan.below(plan.problem.line.at(load.x)) else (-_HALF, -1.5)
+
+
+def _say_loads(page: _Page, plan: _Plan) -> None:
+    """Write what each load is beside its arrow, or beyond the arrow."""
+    for load in plan.problem.point_loads:
+        place = plan.problem.line.at(load.x)
+        x, y, end = plan.x(place), plan.y(place), max(_ends_of(load, plan), key=abs)
+        beside, beyond = y + end, y + end + math.copysign(_LINE, end)
+        places = ((x - 0.12, beside, "right"), (x + 0.12, beside, "left"), (x, beyond, "center"))
         _ = any(page.say(u, w, text, _DRIVE, side) for text in _said_of_load(load) for u, w, side in places)
 
 
