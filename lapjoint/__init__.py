@@ -57,6 +57,7 @@ if TYPE_CHECKING:
         sdnl104,
         write_problem,
     )
+    from lapjoint.sampling import bands, sensitivities
     from lapjoint.solver import make_solver, solver_names
     from lapjoint.summaries import summarise
 
@@ -97,6 +98,7 @@ __all__ = [
     "Tube",
     "UniformLoad",
     "ViscousDamping",
+    "bands",
     "basins",
     "branch",
     "confirm",
@@ -107,6 +109,7 @@ __all__ = [
     "paper_state_number",
     "read_problem",
     "sdnl104",
+    "sensitivities",
     "solver_names",
     "statistics",
     "summarise",
@@ -122,6 +125,7 @@ _HOMES = (
     "lapjoint.solver",
     "lapjoint.campaigns",
     "lapjoint.summaries",
+    "lapjoint.sampling",
 )
 """Where the names above are defined, in the order in which they are looked for."""
 

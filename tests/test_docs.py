@@ -50,9 +50,10 @@ def test_the_problem_files_of_their_page_are_valid(tmp_path: Path, monkeypatch: 
     rows = (f"{i / 1000},{i % 3}" for i in range(9))
     Path("shaker.csv").write_text("\n".join(["t,a_z", *rows]), encoding="utf-8")
     page = (DOCS / "problem-files.md").read_text(encoding="utf-8")
-    whole, *parts = blocks("toml", page)
-    linked = from_toml(parts.pop())
+    whole, *parts, several, drawn = blocks("toml", page)
+    linked = from_toml(several)
     assert linked.structure.links[0].second == linked.position("lower:0.03")
+    assert [one.name for one in from_toml(_with_part(whole, drawn)).uncertain] == ["gap", "stiffness"]
     problem = from_toml(whole)
     assert problem.stop_names == ("tip",)
     found = [from_toml(_with_part(whole, part)) for part in parts]

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.campaigns.grid import Axis
+from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.point import OUTCOME_CODES
 from lapjoint.errors import InputError
 from lapjoint.files.netcdf import is_whole
 from lapjoint.files.reading import read_file
 from lapjoint.problem import Problem
+from lapjoint.sampling.design import DRAWN, SAMPLE, Samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,6 +117,30 @@ def axis_coordinate(axis: Axis, text: str | None = None) -> Variable:
     """The values of an axis as a coordinate, named by `text` or by the path of the axis."""
     attributes = {"units": axis.units, "long_name": text or axis.path, "path": axis.path}
     return (axis.name,), np.array(axis.values), attributes
+
+
+def sample_coordinates(grid: Grid) -> dict[str, Variable]:
+    """The numbers of the samples, the drawn value of each uncertain number, and the set and matrix of each sample; none
+    without samples."""
+    samples, here = grid.samples, (SAMPLE,)
+    if samples is None:
+        return {}
+    found = {SAMPLE: Column(SAMPLE, "i4", "1", "number of the sample").of(here, range(samples.size))}
+    for i, one in enumerate(grid.problem.uncertain):
+        units = "1" if one.apply == "factor" else Axis(one.paths[0], (0.0,)).units
+        text = f"{'factor on' if one.apply == 'factor' else 'value of'} {', '.join(one.paths)}"
+        column = Column(DRAWN + one.name, "f8", units, text, {"distribution": one.kind})
+        found[column.name] = column.of(here, [values[i] for values in samples.values])
+    text = "independently scrambled set of points to which the sample belongs"
+    found["sample_set"] = Column("sample_set", "i4", "1", text).of(here, samples.sets)
+    text = "0: a point A; i: A with the i-th uncertain number of B; the largest, if not 0: B"
+    found["sample_matrix"] = Column("sample_matrix", "i4", "1", text).of(here, samples.matrices)
+    return found
+
+
+def sample_attributes(samples: Samples | None) -> dict[str, Any]:
+    """The attributes of a dataset that tell how samples were drawn; none without samples."""
+    return {} if samples is None else {f"sample_{key}": value for key, value in samples.identity.items()}
 
 
 def stop_sides(problem: Problem) -> Variable:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
 
@@ -22,9 +22,11 @@ from lapjoint.problem import Problem, StepLoad
 from lapjoint.problem.excitation import BaseMotion, Excitation
 from lapjoint.problem.files import problem_from_tables, problem_tables
 from lapjoint.problem.forces import multiple_of
-from lapjoint.problem.override import assign, path_keys
+from lapjoint.problem.override import assign, path_keys, targets
 from lapjoint.problem.random_motion import Random
 from lapjoint.problem.records import Record
+from lapjoint.problem.tables import copied
+from lapjoint.sampling.design import SAMPLE, Samples, describe
 
 FREQUENCY = "base_motion.angular_frequency"
 """Path of the excitation frequency, which is the frequency of the base motion; frequencies of periodic loads keep their
@@ -147,15 +149,20 @@ class Axis:
 class Grid:
     """A problem, and the axes along which it is changed; the last one is the fastest.
 
-    InputError is raised if there is no axis, two are the same, or the grid is too large.
+    Samples of the uncertain numbers of the problem are one more dimension, the slowest, so that all points of a sample
+    share its modes.  InputError is raised if there is neither an axis nor a sample, two axes are the same, an axis
+    changes what is uncertain, or the grid is too large.
     """
 
     problem: Problem
     axes: tuple[Axis, ...]
+    samples: Samples | None = None
 
     def __post_init__(self) -> None:
-        if not self.axes:
+        if not self.axes and self.samples is None:
             raise InputError("axes: there are none; give at least one")
+        if self.samples is not None:
+            self._check_uncertain()
         names = [axis.name for axis in self.axes]
         for i, axis in enumerate(self.axes):
             if axis.name in names[:i]:
@@ -163,10 +170,32 @@ class Grid:
         if self.size > MOST_POINTS:
             raise InputError(f"axes: they span {self.size} points; at most {MOST_POINTS} are allowed")
 
+    def _check_uncertain(self) -> None:
+        """Refuse an axis that sets what an uncertain number moves."""
+        moved = {
+            place: one.name
+            for one in self.problem.uncertain
+            for path in one.paths
+            for place, _ in targets(self._tables, path, one.name)
+        }
+        for axis in self.axes:
+            for path, _ in self._numbers(axis, axis.values[0]):
+                for place, _ in targets(self._tables, path, f"axis {axis.path}"):
+                    if place in moved:
+                        raise InputError(
+                            f"axis {axis.path}: sets {place}, of which samples of {moved[place]} are drawn"
+                        )
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        """Names of the dimensions: the samples, if there are any, and the axes."""
+        return (*(() if self.samples is None else (SAMPLE,)), *(axis.name for axis in self.axes))
+
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values of each axis."""
-        return tuple(len(axis.values) for axis in self.axes)
+        """Number of samples, if there are any, and of values of each axis."""
+        samples = () if self.samples is None else (self.samples.size,)
+        return (*samples, *(len(axis.values) for axis in self.axes))
 
     @property
     def size(self) -> int:
@@ -176,15 +205,35 @@ class Grid:
     def values_at(self, point: int) -> tuple[float, ...]:
         """The value of each axis at a point, by its number, in the units of the axes."""
         places = np.unravel_index(point, self.shape)
-        return tuple(axis.values[int(i)] for axis, i in zip(self.axes, places, strict=True))
+        own = places[len(places) - len(self.axes) :]
+        return tuple(axis.values[int(i)] for axis, i in zip(self.axes, own, strict=True))
 
     def describe(self, point: int) -> str:
         """A text for messages that names a point: ``stops.*.gap = 0.001, damping.ratio = 0.08``."""
-        return _described(self.axes, self.values_at(point))
+        values = _described(self.axes, self.values_at(point))
+        if self.samples is None:
+            return values
+        sample = self.sample_at(point)
+        drawn = describe(self.problem, self.samples.values[sample], sample)
+        return f"{drawn}, {values}" if values else drawn
+
+    def sample_at(self, point: int) -> int:
+        """The number of the sample to which a point belongs; 0 if there are no samples."""
+        return point // math.prod(len(axis.values) for axis in self.axes)
 
     def problem_at(self, point: int) -> Problem:
         """The problem at a point; InputError, which names the point, if there is no valid problem there."""
-        return self.with_values(self.values_at(point))
+        if self.samples is None:
+            return self.with_values(self.values_at(point))
+        sample = self.sample_at(point)
+        if not self.axes:
+            return self.samples.problem(self.problem, sample)
+        at, values = _grid_of_sample(self.problem, self.axes, self.samples, sample), self.values_at(point)
+        try:
+            return at.with_values(values)
+        except InputError as error:
+            message = str(error).removeprefix(f"{_described(self.axes, values)}: ")
+            raise InputError(f"{self.describe(point)}: {message}") from None
 
     def with_values(self, values: tuple[float, ...]) -> Problem:
         """The problem with any values of the axes, in their units, those of the grid or others; InputError, which names
@@ -264,29 +313,30 @@ class Grid:
         return {path: _ratio(omega, own) for path, omega in found.items()}
 
     def check(self) -> None:
-        """Validate the problems of the grid, or those at its corners where it is large.
+        """Validate the problems of the grid, or those at its corners, of all samples, where it is large.
 
         InputError, which names the point, is raised if one is not valid, or its excitation has no period.
         """
         ends = [sorted({0, n - 1}) for n in self.shape]
+        if self.samples is not None:
+            ends[0] = list(range(self.samples.size))
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
         for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
             self.problem_at(point).require_excitation_frequency(self.describe(point))
 
 
+@lru_cache(maxsize=2)
+def _grid_of_sample(problem: Problem, axes: tuple[Axis, ...], samples: Samples, sample: int) -> Grid:
+    """The axes alone, at a sample; the points of a sample are solved one after the other, and share its problem."""
+    return Grid(samples.problem(problem, sample), axes)
+
+
 def _assigned(tables: dict[str, Any], numbers: list[tuple[str, float, str]]) -> dict[str, Any]:
     """A copy of tables with some numbers changed; each is given as path, number, and the source for messages."""
-    copied: dict[str, Any] = _copied(tables)
+    changed: dict[str, Any] = copied(tables)
     for path, number, source in numbers:
-        assign(copied, path, number, source)
-    return copied
-
-
-def _copied(value: Any) -> Any:
-    """A deep copy of tables and lists; their other values are shared, because they are never changed."""
-    if isinstance(value, dict):
-        return {key: _copied(item) for key, item in value.items()}
-    return [_copied(item) for item in value] if isinstance(value, list) else value
+        assign(changed, path, number, source)
+    return changed
 
 
 def _ratio(omega: float, own: float | None) -> float:

@@ -23,6 +23,7 @@ from lapjoint.campaigns.sweep.job import SweepJob
 from lapjoint.campaigns.sweep.spec import Plan, Start
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
+from lapjoint.sampling.design import Kind, samples_of
 from lapjoint.solver import Solver, named
 
 if TYPE_CHECKING:
@@ -33,8 +34,11 @@ import_module("lapjoint.campaigns.confirm")
 
 def sweep(
     problem: Problem,
-    axes: Iterable[Axis],
+    axes: Iterable[Axis] = (),
     *,
+    samples: int | None = None,
+    design: Kind = "sobol",
+    sample_seed: int = 0,
     solver: str | Solver = "analytic",
     options: Mapping[str, Any] | None = None,
     start: Start = "rest",
@@ -53,6 +57,13 @@ def sweep(
         The problem that has all that the axes do not change.
     axes : iterable of Axis
         The numbers that are changed; `start` = "up" and "down" follow the first of them.
+    samples : int, optional
+        Number of samples of the problem's uncertain numbers, one more dimension: 8 times a power of two.
+    design : {"sobol", "saltelli"}
+        Scrambled Sobol points; or, for total sensitivity indices, `samples` blocks of d + 2 points for d uncertain
+        numbers.
+    sample_seed : int
+        Seed of the samples.
     solver : str or Solver
         The solver, or its name.
     options : mapping, optional
@@ -79,7 +90,8 @@ def sweep(
     xarray.Dataset
         The dataset; `lapjoint.campaigns.sweep.table` says how contacts are stored.
     """
-    grid = Grid(problem, tuple(axes))
+    drawn = None if samples is None else samples_of(problem, samples, design, sample_seed)
+    grid = Grid(problem, tuple(axes), drawn)
     plan = Plan(grid, *named(solver, options), start, starts, seed, sensitivity, errors, tuple(summary))
     return run_job(SweepJob(plan), **running)
 

@@ -67,12 +67,19 @@ def other_name(text: str, taken: Collection[str]) -> str:
 
 
 def axes_from(
-    first: float | None, last: float | None, step: float, fields: tuple[str, ...], hz: bool = False
+    first: float | None,
+    last: float | None,
+    step: float,
+    fields: tuple[str, ...],
+    hz: bool = False,
+    *,
+    needed: bool = True,
 ) -> tuple[Axis, ...]:
-    """The axes of a sweep: the excitation frequency if it is given, in rad/s or Hz, then the other fields in order."""
+    """The axes of a sweep: the excitation frequency if it is given, in rad/s or Hz, then the other fields in order; at
+    least one if one is `needed`."""
     if (first is None) != (last is None):
         raise InputError(f"--{'to' if last is None else 'from'}: is missing; give both --from and --to, or neither")
-    if first is None and not fields:
+    if first is None and not fields and needed:
         raise InputError("sweep: nothing is swept; give --from and --to, or --over")
     axes = [axis_from(field) for field in fields]
     if first is None or last is None:

@@ -34,6 +34,7 @@ from lapjoint.cli.sketch import sketch
 from lapjoint.cli.solve import modes, simulate, steady
 from lapjoint.cli.statistics import statistics
 from lapjoint.cli.sweep import sweep
+from lapjoint.cli.uncertainty import uncertainty
 
 if TYPE_CHECKING:
     from lapjoint.problem.example import ExampleName
@@ -168,7 +169,7 @@ def main() -> None:
 
 for command in (
     *(modes, equilibrium, simulate, steady, statistics, sweep, basins, branch, confirm),
-    *(plot, sketch, export, show),
+    *(plot, uncertainty, sketch, export, show),
 ):
     main.add_command(command)
 

@@ -13,6 +13,8 @@ from lapjoint.cli.completing import FILE, PROBLEM, SOLVER
 from lapjoint.errors import InputError
 
 if TYPE_CHECKING:
+    from lapjoint.problem import Problem
+    from lapjoint.sampling.design import Samples
     from lapjoint.solver import Solver
 
 FIGURES = (".png", ".svg", ".pdf")
@@ -111,6 +113,22 @@ class Work(NamedTuple):
     scheduler: str | None
     force: bool
     """Whether a file of another campaign may be overwritten."""
+
+
+class Sampling(NamedTuple):
+    """The samples of uncertain numbers that are drawn."""
+
+    samples: int | None
+    design: str
+    sample_seed: int
+
+    def of(self, problem: Problem) -> Samples | None:
+        """The samples of a problem; None if none were asked for."""
+        from lapjoint.sampling.design import samples_of
+
+        if self.samples is None:
+            return None
+        return samples_of(problem, self.samples, cast(Any, self.design), self.sample_seed)
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Command], Command]:
@@ -247,6 +265,26 @@ def campaign_options(out_required: bool) -> Callable[[Command], Command]:
             help="File of the dataset, .nc; an unfinished file is resumed.",
         ),
     )
+
+
+sample_options = together(
+    as_one(Sampling, "sampling"),
+    click.option("--sample-seed", type=int, default=0, show_default=True, help="Seed of the samples."),
+    click.option(
+        "--design",
+        type=click.Choice(["sobol", "saltelli"]),
+        default="sobol",
+        show_default=True,
+        help="sobol: scrambled Sobol points; saltelli: for total sensitivity indices, --samples blocks of d + 2 points "
+        "for d uncertain numbers.",
+    ),
+    click.option(
+        "--samples",
+        type=int,
+        help="Draw this many samples of the [[uncertain]] numbers of PROBLEM: 64, 128, 256, ...",
+    ),
+)
+"""--samples, --design and --sample-seed: the argument ``sampling`` of a command, a `Sampling`."""
 
 
 motion_options = together(

@@ -6,7 +6,15 @@ from typing import Literal
 
 import click
 
-from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
+from lapjoint.cli.options import (
+    Sampling,
+    SolverChoice,
+    Work,
+    campaign_options,
+    problem_options,
+    sample_options,
+    solver_options,
+)
 
 
 @click.command()
@@ -46,6 +54,7 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     help="Further variables of each motion.  Largest values along the beam: <quantity>_peak or <quantity>_rms, e.g. "
     "stress_peak.  Of each stop: force_peak, force_rms, contact_time, contact_rate.",
 )
+@sample_options
 @campaign_options(out_required=True)
 def sweep(
     problem: str,
@@ -61,10 +70,13 @@ def sweep(
     sensitivity: bool,
     errors: bool,
     summary: str | None,
+    sampling: Sampling,
     solver: SolverChoice,
     work: Work,
 ) -> None:
     """Find the steady state of PROBLEM at every point of a grid of excitation frequencies or other parameters.
+
+    With --samples, all is done for each sample of the uncertain numbers; `lapjoint uncertainty` reads the file.
 
     If the command is interrupted, run it again: it resumes.
     """
@@ -75,10 +87,11 @@ def sweep(
     from lapjoint.cli.finding import found_or_stored
 
     arguments.check_file("--out", work.out, ".nc")
-    axes = arguments.axes_from(first, last, step, fields, hz)
+    axes = arguments.axes_from(first, last, step, fields, hz, needed=sampling.samples is None)
     this = arguments.problem_from(problem, overrides)
     further = () if summary is None else arguments.names_from(summary)
-    plan = Plan(Grid(this, axes), solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
+    grid = Grid(this, axes, sampling.of(this))
+    plan = Plan(grid, solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
     found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)

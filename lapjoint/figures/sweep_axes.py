@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.answers.series import written
+from lapjoint.errors import InputError
 from lapjoint.figures.text import cut_to, literal
 from lapjoint.problem import FloatArray
 
@@ -54,7 +55,10 @@ def _hertz(variable: xr.Variable) -> tuple[tuple[Hashable, ...], FloatArray, dic
 
 
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with ascending values of the first two swept fields, and only the first value of further fields."""
+    """The dataset with ascending values of the first two swept fields, and only the first value of further fields;
+    InputError if it has samples."""
+    if "sample" in dataset.outcome.dims:
+        raise InputError("the file has samples of uncertain numbers; `lapjoint uncertainty` draws their bands")
     names = [name for name in dataset.outcome.dims if name != "start"]
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 

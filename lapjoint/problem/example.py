@@ -134,6 +134,16 @@ phase = 0.0                   # rad
 # to = 1.0                    # m; the tip, if not given
 # force_per_length = -200.0   # N/m, positive upwards
 
+# [[uncertain]]               # random variables of which `lapjoint sweep --samples 256` draws values; any number
+# name = "gap"                # a word of letters, digits and _
+# paths = ["stops.*.gap"]     # the fields that it moves, together
+# apply = "value"             # or "factor": on the number of each field
+# kind = "normal"             # "normal" (mean, deviation; low and high cut it off), "lognormal" (mean, deviation: of
+                              # the value itself), "uniform" (low, high), "triangular" (low, mode, high) or "list"
+                              # (values, equally likely)
+# mean = 1e-3
+# deviation = 1e-4
+
 [initial]
 kind = "rest"                 # "rest", "equilibrium" (at rest under the static loads), "polynomial" (displacement
                               # and velocity: coefficients of 1, x, x^2 ...) or "sampled" (x, displacement, velocity:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from lapjoint.errors import InputError
 from lapjoint.files.reading import read_file
@@ -22,10 +22,8 @@ from lapjoint.files.writing import write_file
 from lapjoint.problem.messages import in_sentences
 from lapjoint.problem.problem import Problem
 from lapjoint.problem.samples import Samples
-from lapjoint.problem.schema import Part
 from lapjoint.problem.slips import line_meant
-
-_ALWAYS = ("kind", "shape", "schema_version")  # keys that tell kinds and versions apart are written, default or not
+from lapjoint.problem.tables import tables_of
 
 
 def read_problem(path: str | Path) -> Problem:
@@ -142,25 +140,7 @@ def _plain(value: Any, folder: str | Path | None, samples: bool) -> Any:
 
 def problem_tables(problem: Problem) -> dict[str, Any]:
     """A problem as the tables of its TOML file, without what is None or the default; see `problem_from_tables`."""
-    return _table(problem)
-
-
-def _table(part: BaseModel) -> dict[str, Any]:
-    table: dict[str, Any] = {}
-    for name, info in type(part).model_fields.items():
-        value = getattr(part, name)
-        if value is None or (name not in _ALWAYS and not info.is_required() and value == info.default):
-            continue
-        table[info.alias or name] = _value(value)
-    return table
-
-
-def _value(value: Any) -> Any:
-    if isinstance(value, Part):
-        return _table(value)
-    if isinstance(value, tuple):
-        return [_value(item) for item in value]
-    return value  # Samples, too: `problem_from_tables` takes them as they are
+    return tables_of(problem)
 
 
 def json_schema() -> dict[str, Any]:

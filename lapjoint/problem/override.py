@@ -41,6 +41,23 @@ def assign(tables: dict[str, Any], path: str, value: Any, source: str) -> None:
     _assign(tables, keys, value, source)
 
 
+def targets(tables: dict[str, Any], path: str, source: str) -> list[tuple[str, Any]]:
+    """The single values to which a path leads, each as its own path without ``*`` and names, and the value there, which
+    is None where a table lacks the key; messages begin with `source`."""
+    found: list[tuple[tuple[str, ...], Any]] = [((), tables)]
+    for key in path_keys(path):
+        below: list[tuple[tuple[str, ...], Any]] = []
+        for keys, part in found:
+            if part is None and key == "*":
+                continue
+            if isinstance(part, dict) or part is None:
+                below.append(((*keys, key), (part or {}).get(key)))
+            else:
+                below += [((*keys, str(i)), part[i]) for i in _indices(part, key, source)]
+        found = below
+    return [(".".join(keys), value) for keys, value in found]
+
+
 @lru_cache(maxsize=_PATHS)
 def path_keys(path: str) -> tuple[str, ...]:
     """The keys of a path, from the outermost to the innermost: ``stops``, ``0``, ``gap`` of ``stops[0].gap``."""

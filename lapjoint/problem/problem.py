@@ -40,6 +40,7 @@ from lapjoint.problem.schema import Part
 from lapjoint.problem.static_loads import Gravity, UniformLoad
 from lapjoint.problem.structure import Structure
 from lapjoint.problem.supports_and_stops import Stop, Support
+from lapjoint.problem.uncertain import Uncertain, uncertain_faults
 
 _ROUNDINGS = 1e-12
 """Largest relative excess of a duration over that of a record that is rounding."""
@@ -82,6 +83,8 @@ class Problem(Part):
     """Constant forces along the beam, from t = 0 on."""
     initial: InitialState = AtRest()
     """Displacement and velocity at t = 0; straight and at rest, if not given."""
+    uncertain: tuple[Uncertain, ...] = ()
+    """Random variables of which campaigns with samples draw values; none: each number is as it stands."""
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
@@ -94,6 +97,9 @@ class Problem(Part):
             ]
         if not faults:
             faults = [*start_faults(self, self.line)] or [*moved_supports(self, self.line)]
+        if not faults and self.uncertain:
+            with warnings.catch_warnings(action="ignore", category=ExcitationWarning):
+                faults = [*uncertain_faults(self, self.uncertain)]
         if faults:
             raise ValueError("\n".join(faults))
         _warn_of_excitation(self)

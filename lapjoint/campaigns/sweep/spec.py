@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
@@ -59,6 +58,8 @@ class Plan(Spec):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)
         check_seed(self.seed)
+        if self.chained and not self.grid.axes:
+            raise InputError(f"start = {self.start!r}: follows the motion along an axis, and there is none")
         if self.chained and self.starts > 1:
             raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
 
@@ -84,11 +85,12 @@ class Plan(Spec):
 
     def chains(self) -> Iterator[tuple[int, ...]]:
         """The cells of each chain, in the sequence in which they are solved."""
-        first, *others = self.grid.axes
-        sequence = np.argsort(first.values)
+        first = len(self.grid.shape) - len(self.grid.axes)
+        sequence = np.argsort(self.grid.axes[0].values)
         sequence = sequence[::-1] if self.start == "down" else sequence
-        for rest in product(*(range(len(axis.values)) for axis in others)):
-            yield tuple(int(np.ravel_multi_index((int(i), *rest), self.grid.shape)) for i in sequence)
+        cells = np.moveaxis(np.arange(self.grid.size).reshape(self.grid.shape), first, 0)[sequence]
+        for chain in cells.reshape(sequence.size, -1).T:
+            yield tuple(chain.tolist())
 
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or a point has no valid problem."""
@@ -102,6 +104,7 @@ class Plan(Spec):
         return {
             **problem_identity(self.grid.problem),
             "axes": {axis.path: list(axis.values) for axis in self.grid.axes},
+            **({} if self.grid.samples is None else {"samples": self.grid.samples.identity}),
             "solver": self.solver,
             "options": dict(self.options),
             "start": self.start,

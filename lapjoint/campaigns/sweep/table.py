@@ -27,6 +27,8 @@ from lapjoint.campaigns.dataset import (
     attributes_of,
     axis_coordinate,
     read_result,
+    sample_attributes,
+    sample_coordinates,
     stop_sides,
 )
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
@@ -104,7 +106,7 @@ def sweep_dataset(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
     """The dataset of a sweep from the answers of all its cells."""
     import xarray as xr
 
-    dimensions = tuple(axis.name for axis in plan.grid.axes) + (("start",) if plan.has_starts else ())
+    dimensions = (*plan.grid.dimensions, *(("start",) if plan.has_starts else ()))
     answers = _Answers([points[cell] for cell in range(plan.size)], dimensions, plan.shape)
     variables = {
         "stop_side": stop_sides(plan.grid.problem),
@@ -119,7 +121,7 @@ def sweep_dataset(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
 
 
 def _coordinates(plan: Plan) -> dict[str, Variable]:
-    found: dict[str, Variable] = {}
+    found = sample_coordinates(plan.grid)
     for axis in plan.grid.axes:
         text = "excitation angular frequency" if axis.name == "angular_frequency" else None
         found[axis.name] = axis_coordinate(axis, text)
@@ -232,6 +234,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         seed=plan.seed,
         sensitivity=int(plan.sensitivity),
         errors=int(plan.errors),
+        **sample_attributes(plan.grid.samples),
     )
 
 

@@ -1,0 +1,92 @@
+"""The command ``lapjoint uncertainty``: what the samples of a file show."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+import click
+
+from lapjoint.cli.completing import FILE
+from lapjoint.cli.echo import echo
+from lapjoint.cli.options import FIGURES
+from lapjoint.errors import InputError
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="A limit of the magnitude of a variable, in its SI unit, e.g. stress=120e6: the probability of exceeding it "
+    "is computed; repeatable.",
+)
+@click.option(
+    "--variable",
+    metavar="NAME,NAME,..",
+    help="Variables, e.g. impulse,stress_peak.  [default: those with a limit, or all in the file]",
+)
+@click.option("--figure", metavar="FILE", type=FILE, help="Draw the bands of the first variable: .png, .svg or .pdf.")
+@click.option(
+    "--ranking", metavar="FILE", type=FILE, help="Draw its sensitivity indices, the largest first: .png, .svg or .pdf."
+)
+@click.option("--json", "json_path", metavar="FILE", type=FILE, help="Also write all numbers to FILE as JSON.")
+def uncertainty(
+    file: str,
+    limits: tuple[str, ...],
+    variable: str | None,
+    figure: str | None,
+    ranking: str | None,
+    json_path: str | None,
+) -> None:
+    """Show what the samples in FILE, of `lapjoint sweep --samples` or `lapjoint statistics --samples`, say.
+
+    It prints bands (5, 50, 95 %), probabilities of exceeding limits, and sensitivity indices, with 95 % intervals for
+    the number of samples; what numerical errors change stands beside them.
+    """
+    from lapjoint.campaigns.dataset import read_result
+    from lapjoint.campaigns.statistics.spec import Realisations
+    from lapjoint.campaigns.sweep.spec import Plan
+    from lapjoint.cli import arguments, printing, uncertainty_printing
+    from lapjoint.figures.style import save
+    from lapjoint.figures.uncertainty import plot_bands, plot_ranking
+    from lapjoint.sampling import bands, sensitivities
+    from lapjoint.sampling.bands import Sampled
+
+    arguments.check_file("--figure", figure, *FIGURES)
+    arguments.check_file("--ranking", ranking, *FIGURES)
+    arguments.check_file("--json", json_path)
+    bounds = dict(_limit(text) for text in limits)
+    dataset = read_result(file, Plan.noun, Realisations.noun)
+    of = Sampled(dataset)
+    names = None if variable is None else arguments.names_from(variable)
+    found = bands(dataset, bounds, names)
+    chosen = tuple(str(name).removesuffix("_quantile") for name in found if str(name).endswith("_quantile"))
+    chosen = tuple(name for name in chosen if name in of.variables)
+    if find_spec("SALib") is None and not ranking:
+        echo("lapjoint: hint: pip install 'lapjoint[sensitivity]' adds sensitivity indices", err=True)
+        indices = found[[]]
+    else:
+        indices = sensitivities(dataset, chosen)
+    uncertainty_printing.print_uncertainty(of, found, indices, chosen)
+    if figure:
+        save(plot_bands(dataset, chosen[0], limits=bounds), figure)
+        echo(f"Wrote {figure}")
+    if ranking:
+        save(plot_ranking(indices, chosen[0]), ranking)
+        echo(f"Wrote {ranking}")
+    if json_path:
+        printing.write_json(json_path, uncertainty_printing.summary(found, indices))
+        echo(f"Wrote {json_path}")
+
+
+def _limit(text: str) -> tuple[str, float]:
+    """The variable and the value of NAME=VALUE."""
+    name, equals, value = text.partition("=")
+    try:
+        if not equals or not name.strip():
+            raise ValueError
+        return name.strip(), float(value)
+    except ValueError:
+        raise InputError(f"--limit {text}: must be NAME=VALUE, as in stress=120e6") from None
