@@ -40,13 +40,12 @@ def uncertainty(
     ranking: str | None,
     json_path: str | None,
 ) -> None:
-    """Show what the samples in FILE, of `lapjoint sweep --samples` or `lapjoint statistics --samples`, say.
+    """Show what the samples in FILE, of `lapjoint sweep --samples`, say.
 
     It prints bands (5, 50, 95 %), probabilities of exceeding limits, and sensitivity indices, with 95 % intervals for
     the number of samples; what numerical errors change stands beside them.
     """
     from lapjoint.campaigns.dataset import read_result
-    from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments, printing, uncertainty_printing
     from lapjoint.figures.style import save
@@ -58,7 +57,7 @@ def uncertainty(
     arguments.check_file("--ranking", ranking, *FIGURES)
     arguments.check_file("--json", json_path)
     bounds = dict(_limit(text) for text in limits)
-    dataset = read_result(file, Plan.noun, Realisations.noun)
+    dataset = read_result(file, Plan.noun)
     of = Sampled(dataset)
     names = None if variable is None else arguments.names_from(variable)
     found = bands(dataset, bounds, names)

@@ -36,7 +36,7 @@ class Sampled:
 
     def __post_init__(self) -> None:
         if SAMPLE not in self.dataset.dims:
-            raise InputError("the file has no samples; `--samples` of a sweep, or of statistics, draws some")
+            raise InputError("the file has no samples; `--samples` of a sweep draws some")
         if "start" in self.dataset.dims:
             raise InputError("the file has several starts at each point, and bands are those of one motion at each")
 
@@ -106,7 +106,7 @@ def bands(
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of a sweep or of statistics with samples.
+        Dataset of a sweep with samples.
     limits : mapping, optional
         Limits of the magnitude of variables, in their SI units, by names as ``stress_peak``, or ``stress`` for short.
     variables : sequence of str, optional

@@ -37,7 +37,7 @@ def sensitivities(dataset: xr.Dataset, variables: Sequence[str] | None = None) -
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of a sweep or of statistics with samples.
+        Dataset of a sweep with samples.
     variables : sequence of str, optional
         The variables, as ``stress_peak``; by default all that the file has.
 

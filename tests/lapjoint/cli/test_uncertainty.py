@@ -86,7 +86,7 @@ def test_files_without_samples_and_samples_without_uncertain_numbers_are_refused
         "4",
         "--to",
         "5",
-        "--modes",
+        "--n-modes",
         "2",
         "--out",
         folder / "certain.nc",
