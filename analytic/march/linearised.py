@@ -64,8 +64,9 @@ def _carry(
     then, now, theta = zeros(here.shape), zeros(here.shape), complex_zeros(tables.omega.size)
     work = new_switching(level, tables.kind.shape[1])
     set_phases(tables, log.start[begin], theta)
-    if begin == 0:
-        set_levels(tables, log.slot[0], False, theta, log.q[0], log.v[0], here, work)
+    goes_on = begin > 0
+    if not goes_on:  # a constant in the call would compile another function
+        set_levels(tables, log.slot[0], goes_on, theta, log.q[0], log.v[0], here, work)
     for i in range(begin, stop):
         slot, n, k, left = log.slot[i], tables.modes[log.slot[i]], log.stop[i], log.slot.size - 1 - i
         _write(here[: 2 * n], since, starts[i])
