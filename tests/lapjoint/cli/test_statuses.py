@@ -72,16 +72,25 @@ def test_validate_passes_on_what_is_asked_and_the_verdict(
     asked: list[object] = []
 
     def suite_main(
-        problem: Problem, cases: tuple[str, ...], level: str, output: Path, console: object, peers: tuple[str, ...]
+        problem: Problem,
+        cases: tuple[str, ...],
+        level: str,
+        output: Path,
+        console: object,
+        peers: tuple[str, ...],
+        *,
+        source: str,
+        duration: float | None,
     ) -> int:
-        asked.extend([problem, cases, level, output, peers])
+        asked.extend([problem, cases, level, output, peers, source, duration])
         return status
 
     monkeypatch.setattr("validation.suite.main", suite_main)
     options = ("--case", "a", "--case", "b", "--quick", "-o", tmp_path / "out", *("--peers", "x") * 2)
-    result = run("validate", PAPER, "--set", "base_motion.angular_frequency=820", *options)
+    result = run("validate", PAPER, "--set", (frequency := "base_motion.angular_frequency=820"), *options)
     assert result.exit_code == status
-    assert asked == [paper_joint(angular_frequency=820.0), ("a", "b"), "quick", tmp_path / "out", ("x",)]
+    problem, source = paper_joint(angular_frequency=820.0), f"{PAPER} --set {frequency}"
+    assert asked == [problem, ("a", "b"), "quick", tmp_path / "out", ("x",), source, None]
 
 
 def test_a_fault_of_the_program_is_not_dressed_up_as_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:
