@@ -312,17 +312,24 @@ class Grid:
         own = found.get(FREQUENCY, self.problem.excitation_frequency)
         return {path: _ratio(omega, own) for path, omega in found.items()}
 
-    def check(self) -> None:
+    def check(self, place: float | str | None = None) -> None:
         """Validate the problems of the grid, or those at its corners, of all samples, where it is large.
 
-        InputError, which names the point, is raised if one is not valid, or its excitation has no period.
+        InputError, which names the point, is raised if one is not valid, its excitation has no period, or it has no
+        such `place`, m.
         """
         ends = [sorted({0, n - 1}) for n in self.shape]
         if self.samples is not None:
             ends[0] = list(range(self.samples.size))
         corners = [int(np.ravel_multi_index(corner, self.shape)) for corner in product(*ends)]
         for point in range(self.size) if self.size <= CHECKED_POINTS else corners:
-            self.problem_at(point).require_excitation_frequency(self.describe(point))
+            problem = self.problem_at(point)
+            problem.require_excitation_frequency(self.describe(point))
+            if place is not None:
+                try:
+                    problem.position(place)
+                except InputError as error:
+                    raise InputError(f"{self.describe(point)}: {error}") from None
 
 
 @lru_cache(maxsize=2)

@@ -30,6 +30,8 @@ from lapjoint.files.writing import unwritable
 
 BEGINNING = b'{"journal":'
 """First bytes of every journal."""
+_OF_HEADER = ("journal", "fingerprint", "checksum")
+"""Keys of the first line that are not of the work."""
 _CHECKSUM = re.compile(rb',"checksum":"([0-9a-f]{16})"\}\n')
 """End of every line: 64 bits of a digest."""
 
@@ -153,7 +155,8 @@ class Journal(Answers):
             return f"is damaged, and nothing in it is known to be of this {self.spec.noun}"
         if refusal(header.get("journal")):
             return refusal(header.get("journal"))
-        different = [key for key, value in self.spec.identity.items() if header.get(key) != value]
+        here, there = self.spec.identity, {key: header[key] for key in header if key not in _OF_HEADER}
+        different = [key for key in here | there if there.get(key) != here.get(key)]
         return f"holds another {self.spec.noun}, not finished (it differs in {', '.join(different)})"
 
     def _taken(self, raw: bytes) -> bool:

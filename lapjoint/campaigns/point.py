@@ -87,6 +87,8 @@ class Point:
     """Further numbers of the motion that were asked for, by name.  Of a quantity: the largest value along the beam, its
     error, and its position, m.  Of the stops: one value for each stop, or for all together, then their errors.  Errors
     are NaN where none were estimated."""
+    strobe: dict[str, list[float]] = field(default_factory=dict)
+    """Stroboscopic samples that were asked for, as `lapjoint.campaigns.sweep.strobe.strobed` gives them."""
     message: str = ""
     """Reason for which the solver gave up; empty where it did not."""
 

@@ -47,6 +47,8 @@ def sweep(
     sensitivity: bool = False,
     errors: bool = False,
     summary: Sequence[str] = (),
+    strobe: int = 0,
+    at: float | str | None = None,
     **running: Unpack[Running],
 ) -> xr.Dataset:
     """Find the steady states at every point of a grid of problems.
@@ -82,6 +84,11 @@ def sweep(
     summary : sequence of str
         Further numbers of each motion, of `lapjoint.summaries.of_orbit.SUMMARIES`, as ``stress_peak``, ``force_rms`` or
         ``contact_time``: variables of the dataset.
+    strobe : int
+        Number of stroboscopic samples of each motion, one at the start of each excitation period: the variables
+        ``strobe_displacement``, m, and ``strobe_velocity``, m/s, relative to the base.  0 for none.
+    at : float or str, optional
+        Place of the samples, m; by default that of the stop farthest from the root, or the tip if there are no stops.
     **running : Running
         Workers, file and progress, and the errors that are raised: see `Running`.
 
@@ -92,7 +99,7 @@ def sweep(
     """
     drawn = None if samples is None else samples_of(problem, samples, design, sample_seed)
     grid = Grid(problem, tuple(axes), drawn)
-    plan = Plan(grid, *named(solver, options), start, starts, seed, sensitivity, errors, tuple(summary))
+    plan = Plan(grid, *named(solver, options), start, starts, seed, sensitivity, errors, tuple(summary), strobe, at)
     return run_job(SweepJob(plan), **running)
 
 

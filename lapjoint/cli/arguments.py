@@ -228,6 +228,14 @@ def places_from(text: str, problem: Problem) -> list[float]:
     return [problem.position(place) for place in places]
 
 
+def place_from(text: str, problem: Problem) -> float | str:
+    """The one place of ``--at x=2.5``, m, or of several beams ``--at x=upper:0.3``."""
+    found = places_from(text, problem)
+    if len(found) > 1:
+        raise InputError(f"--at {text}: has {len(found)} places; one is allowed")
+    return text.partition("=")[2].strip() if problem.line.several else found[0]
+
+
 def check_answer_files(files: AnswerFiles) -> None:
     """Refuse names of files that could not be written, before the computation begins."""
     check_file("--contacts", files.contacts, ".csv", ".json")

@@ -60,9 +60,10 @@ def plot(
     """Draw the results of `lapjoint sweep`, `branch`, `basins` or `statistics` from their files.
 
     Several sweeps, such as one upwards and one downwards, are drawn in one figure.  The figure of sweeps or of branches
-    shows the impulse of each stop over the parameter; of branches in two parameters, the loci of their bifurcations; of
-    basins, the motion in which each start ends, or the fraction of starts that end in each motion; of statistics, the
-    rate of contacts that exceed a value.  For sweeps, peaks and jumps are printed.
+    shows the impulse of each stop over the parameter; of sweeps with --strobe, a bifurcation diagram; of branches in
+    two parameters, the loci of their bifurcations; of basins, the motion in which each start ends, or the fraction of
+    starts that end in each motion; of statistics, the rate of contacts that exceed a value.  For sweeps, peaks and
+    jumps are printed.
     """
     from lapjoint.campaigns.basins.spec import BasinPlan
     from lapjoint.campaigns.branches.spec import BranchSpec
@@ -120,9 +121,13 @@ def _plot_sweeps(datasets: dict[str, xr.Dataset], look: Look, path: str) -> None
     """Draw one sweep, or several in one figure, and print their peaks and jumps."""
     from lapjoint.cli.plot_printing import print_features
     from lapjoint.figures import plot_curve, plot_curve_wide, plot_curves, plot_curves_wide, save
-    from lapjoint.figures.sweep_variables import IMPULSE
+    from lapjoint.figures.sweep_variables import IMPULSE, STROBES
 
-    what = look.variable or IMPULSE
+    has_samples = all(STROBES[0] in dataset for dataset in datasets.values())
+    what = look.variable or (STROBES[0] if has_samples else IMPULSE)
+    if what in STROBES:
+        _plot_samples(datasets, what, look, path)
+        return
     limits = look.limits_of(what)
     if len(datasets) > 1:
         draw = plot_curves_wide if look.wide else plot_curves
@@ -134,6 +139,21 @@ def _plot_sweeps(datasets: dict[str, xr.Dataset], look: Look, path: str) -> None
     echo(f"Wrote {path}")
     for name, dataset in datasets.items():
         print_features(dataset, what, limits, name if len(datasets) > 1 else "")
+
+
+def _plot_samples(datasets: dict[str, xr.Dataset], what: str, look: Look, path: str) -> None:
+    """Draw the bifurcation diagram of sweeps, and print the jumps of their impulses from motion to motion."""
+    from lapjoint.cli import arguments
+    from lapjoint.cli.plot_printing import print_features
+    from lapjoint.figures import plot_bifurcation, save
+    from lapjoint.figures.sweep_variables import IMPULSE
+
+    arguments.refuse("a bifurcation diagram has none; --variable impulse draws curves", limit=look.limits or None)
+    alone = len(datasets) == 1
+    save(plot_bifurcation(next(iter(datasets.values())) if alone else datasets, variable=what, wide=look.wide), path)
+    echo(f"Wrote {path}")
+    for name, dataset in datasets.items():
+        print_features(dataset, IMPULSE, [], "" if alone else name)
 
 
 def _names(files: tuple[str, ...]) -> list[str]:

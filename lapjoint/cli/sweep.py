@@ -54,6 +54,14 @@ from lapjoint.cli.options import (
     help="Further variables of each motion.  Largest values along the beam: <quantity>_peak or <quantity>_rms, e.g. "
     "stress_peak.  Of each stop: force_peak, force_rms, contact_time, contact_rate.",
 )
+@click.option(
+    "--strobe",
+    type=int,
+    default=0,
+    metavar="N",
+    help="Also store N samples of each motion, one a period, for a bifurcation diagram.",
+)
+@click.option("--at", metavar="x=X", help="Place of the samples, m.  [default: the outermost stop, or the tip]")
 @sample_options
 @campaign_options(out_required=True)
 def sweep(
@@ -70,6 +78,8 @@ def sweep(
     sensitivity: bool,
     errors: bool,
     summary: str | None,
+    strobe: int,
+    at: str | None,
     sampling: Sampling,
     solver: SolverChoice,
     work: Work,
@@ -89,9 +99,10 @@ def sweep(
     arguments.check_file("--out", work.out, ".nc")
     axes = arguments.axes_from(first, last, step, fields, hz, needed=sampling.samples is None)
     this = arguments.problem_from(problem, overrides)
+    place = None if at is None else arguments.place_from(at, this)
     further = () if summary is None else arguments.names_from(summary)
     grid = Grid(this, axes, sampling.of(this))
-    plan = Plan(grid, solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further)
+    plan = Plan(grid, solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further, strobe, place)
     found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)

@@ -5,6 +5,7 @@ PDF.  All figures share one style, `lapjoint.figures.style`, and convert SI unit
 """
 
 from lapjoint.figures.basins import plot_basins
+from lapjoint.figures.bifurcation import plot_bifurcation
 from lapjoint.figures.branch_diagram import plot_branches
 from lapjoint.figures.branch_loci import plot_loci
 from lapjoint.figures.contacts import plot_contact_impulses, plot_contact_states
@@ -27,6 +28,7 @@ __all__ = [
     "new_axes",
     "new_panels",
     "plot_basins",
+    "plot_bifurcation",
     "plot_branches",
     "plot_contact_impulses",
     "plot_contact_states",

@@ -9,7 +9,7 @@ import numpy as np
 
 from lapjoint.answers import History
 from lapjoint.errors import InputError
-from lapjoint.figures.sampling import heading, in_contact, line_width, one_position, smooth_times, times_drawn
+from lapjoint.figures.sampling import heading, in_contact, line_width, smooth_times, times_drawn
 from lapjoint.figures.style import COLUMN_WIDTH, GREY, THIN, entitle, new_axes, style
 from lapjoint.problem import FloatArray
 
@@ -60,7 +60,7 @@ def plot_phase_portrait(
     InputError
         If the position is outside the beam, or `samples` less than 2.
     """
-    place = one_position(history.problem, x)
+    place = history.problem.one_position(x)
     t = smooth_times(history, place, times_drawn(history, samples))
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)
@@ -126,7 +126,7 @@ def plot_poincare_section(
         If the excitation has no period, the history holds no section point, or the position is outside the
         beam.
     """
-    place = one_position(history.problem, x)
+    place = history.problem.one_position(x)
     t = section_times(history, phase)
     axes = _portrait_axes(axes)
     z, v = _state(history, place, t)

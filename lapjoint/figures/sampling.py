@@ -8,7 +8,7 @@ import numpy as np
 
 from lapjoint.answers import Contact, History
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray
 
 LEAST_SAMPLES = 100
 """Least number of times in a period of the fastest excitation: a curve with fewer could show another motion."""
@@ -18,13 +18,6 @@ MOST_TIMES = 50_000
 """Number of times at which the refinement of an orbit ends, to limit the time that a figure takes."""
 MANY = 100
 """Number of contacts above which the curves are drawn thin."""
-
-
-def one_position(problem: Problem, x: float | None) -> float:
-    """Position `x`, m; by default the position of the stop farthest from the root, or the tip if there are no stops."""
-    if x is not None:
-        return problem.position(x)
-    return max((stop.met for stop in problem.structure.stops), default=problem.line.length)
 
 
 def times_drawn(history: History, samples: int) -> FloatArray:

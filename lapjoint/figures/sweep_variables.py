@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 IMPULSE = "impulse"
+STROBES = "strobe_displacement", "strobe_velocity"
+"""Stroboscopic samples, which `lapjoint.figures.bifurcation` draws."""
 _NAMES = {
     IMPULSE: "impulse in a period",
     "contact_time": "share of time in contact",

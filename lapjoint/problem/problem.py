@@ -140,6 +140,29 @@ class Problem(Part):
         """
         return self.line.at(place)
 
+    def one_position(self, place: float | str | None = None) -> float:
+        """The position of the one place at which a motion is looked at.
+
+        Parameters
+        ----------
+        place : float or str, optional
+            The place, as `position` takes it; by default the stop farthest from the root, or the tip if there are no
+            stops.
+
+        Returns
+        -------
+        float
+            The position, m.
+
+        Raises
+        ------
+        InputError
+            If there is no such place.
+        """
+        if place is not None:
+            return self.position(place)
+        return max((stop.met for stop in self.structure.stops), default=self.line.length)
+
     @property
     def start(self) -> InitialShape:
         """The initial state, other than an equilibrium, as functions of the position."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from lapjoint import History, paper_joint
 from lapjoint.figures import plot_motion
-from lapjoint.figures.sampling import one_position
 from lapjoint.figures.style import entitle
 from validation.case import CaseResult, Drawing, Level, Say, Table, table
 from validation.cases.motions import compare_contacts
@@ -61,7 +60,7 @@ def contact_table(checks: list[Check]) -> Table:
 def motion_drawing(title: str, exact: History, fe: History) -> Drawing:
     """Displacement at the stop farthest from the root by both solvers, with gaps, and contacts by the analytic
     solver."""
-    x, place = one_position(exact.problem, None), exact.problem.line.place
+    x, place = exact.problem.one_position(), exact.problem.line.place
     t = np.linspace(exact.start, min(exact.end, fe.end), 900)
 
     def paint(axes: Axes) -> None:

@@ -4,13 +4,14 @@ chain."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from lapjoint.campaigns.job import Job
 from lapjoint.campaigns.point import PlainSection, Point, plain_section, point_from, point_of, section_from
 from lapjoint.campaigns.random_start import random_initial
 from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.campaigns.sweep.strobe import strobed
 from lapjoint.campaigns.sweep.table import sweep_dataset
 from lapjoint.errors import InputError, SolverError
 from lapjoint.problem import Problem
@@ -44,13 +45,15 @@ class SweepJob(Job[Plan, Point]):
             problem = _started(plan, point, number, solver)
             start = None if section is None else section_from(section)
             found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors)
+            samples = strobed(found, plan.strobe, plan.at) if plan.at is not None else {}
         except SolverError as error:
             return Point(message=str(error)), section
         except InputError as error:
             message = str(error)
             where = plan.grid.describe(point) + (f", start {number}" if plan.has_starts else "")
             raise InputError(message if message.startswith(where) else f"{where}: {message}") from None
-        return point_of(found, plan.summary), plain_section(found.section_point) if plan.chained else None
+        answer = replace(point_of(found, plan.summary), strobe=samples)
+        return answer, plain_section(found.section_point) if plan.chained else None
 
     def point(self, fields: Mapping[str, Any]) -> Point:
         """A point from its attributes."""

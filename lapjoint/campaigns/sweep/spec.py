@@ -15,10 +15,11 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 
 from lapjoint.campaigns.dataset import SWEEP
-from lapjoint.campaigns.grid import Grid
+from lapjoint.campaigns.grid import MOST_POINTS, Grid
 from lapjoint.campaigns.identity import check_integer, check_seed, problem_identity, versions
 from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
+from lapjoint.problem import Problem
 from lapjoint.solver import Solver
 from lapjoint.summaries.of_orbit import check_names
 
@@ -27,6 +28,8 @@ Start = Literal["rest", "up", "down", "random"]
 along the first axis, ascending or descending; from a random initial state."""
 MOST_STARTS = 10_000
 """Largest number of starts at a point."""
+MOST_STROBES = 10_000
+"""Largest number of stroboscopic samples of a motion."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Plan(Spec):
     sensitivity: bool = False
     errors: bool = False
     summary: tuple[str, ...] = ()
+    strobe: int = 0
+    at: float | str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", check_names(self.summary))
@@ -58,10 +63,25 @@ class Plan(Spec):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)
         check_seed(self.seed)
+        self._check_strobe()
         if self.chained and not self.grid.axes:
             raise InputError(f"start = {self.start!r}: follows the motion along an axis, and there is none")
         if self.chained and self.starts > 1:
             raise InputError(f"starts = {self.starts}: must be 1 with start = {self.start!r}, which follows one motion")
+
+    def _check_strobe(self) -> None:
+        """Check the number of stroboscopic samples, and find their place."""
+        check_integer("strobe", self.strobe, 0, MOST_STROBES)
+        if not self.strobe:
+            if self.at is not None:
+                raise InputError(f"at = {self.at}: is the place of samples; give their number, strobe, too")
+            return
+        if self.size * self.strobe > MOST_POINTS:
+            raise InputError(
+                f"strobe = {self.strobe}: {self.size} points have {self.size * self.strobe} samples; at most "
+                f"{MOST_POINTS} are allowed"
+            )
+        object.__setattr__(self, "at", _place_on(self.grid.problem, self.at))
 
     @property
     def chained(self) -> bool:
@@ -95,7 +115,7 @@ class Plan(Spec):
     def check(self) -> Solver:
         """Make the solver; InputError if it does not take its options, or a point has no valid problem."""
         solver = super().check()
-        self.grid.check()
+        self.grid.check(self.at)
         return solver
 
     @cached_property
@@ -113,5 +133,18 @@ class Plan(Spec):
             "sensitivity": self.sensitivity,
             "errors": self.errors,
             **({"summary": list(self.summary)} if self.summary else {}),  # as before where there is none
+            **({"strobe": self.strobe, "at": self.at} if self.strobe else {}),
             "versions": versions(),
         }
+
+
+def _place_on(problem: Problem, at: float | str | None) -> float | str:
+    """The place `at`, m, or a beam and a position; by default that of the stop farthest from the root, or the tip.
+
+    InputError is raised if the problem has no such place.
+    """
+    x = problem.one_position(at)
+    if at is not None or not problem.line.several:
+        return x if at is None else at
+    i = problem.line.beam_at(x)
+    return f"{problem.line.names[i]}:{min(x - problem.line.starts[i], problem.line.beams[i].length)!r}"

@@ -33,6 +33,7 @@ from lapjoint.campaigns.dataset import (
 )
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.campaigns.sweep.strobe import strobe_variables
 from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS
 
 if TYPE_CHECKING:
@@ -114,6 +115,7 @@ def sweep_dataset(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
         **_certificates(plan, answers),
         **_contacts(answers),
         **_summary(plan, answers),
+        **strobe_variables(plan, answers.points, dimensions),
     }
     if plan.has_starts:
         variables["distinct"] = _distinct(plan, answers)

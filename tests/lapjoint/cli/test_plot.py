@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from command_line import PAPER, assert_refused, run, run_well
 from made_sweeps import made_sweep
 
@@ -105,3 +106,20 @@ def test_what_cannot_be_drawn_is_told_in_a_line(what: str) -> None:
     arguments, message = REFUSED[what]
     assert_refused(run("plot", *arguments, "-o", "a.png"), message, 1)
     assert not Path("a.png").exists()
+
+
+def test_samples_are_a_bifurcation_diagram() -> None:
+    given = ("--from", "500", "--to", "520", "--step", "10", "--n-modes", "4", "--strobe", "8")
+    run_well("sweep", PAPER, *given, "--at", "x=1.25", "--out", "strobe.nc")
+    assert xr.load_dataset("strobe.nc").strobe_displacement.attrs["place"] == "x = 1.25"
+    said = run_well("plot", "strobe.nc").splitlines()
+    assert said[0] == "Wrote strobe.pdf"
+    assert "Peaks" in said[2]
+    assert "impulse [N s]" in said[2]
+    run_well("plot", "strobe.nc", "strobe.nc", "--wide", "--hz", "--variable", "strobe_velocity", "-o", "both.png")
+    run_well("plot", "strobe.nc", "--variable", "impulse", "--wide", "--limit", "impulse=1", "-o", "curve.png")
+    assert_refused(
+        run("plot", "strobe.nc", "--limit", "strobe_displacement=1"), "--limit: a bifurcation diagram has none", 1
+    )
+    assert_refused(run("sweep", PAPER, *given, "--at", "x=1,2", "--out", "a.nc"), "--at x=1,2: has 2 places; one", 1)
+    assert_refused(run("sweep", PAPER, *given, "--at", "x=9", "--out", "a.nc"), "x = 9: lies outside the beam", 1)
