@@ -9,6 +9,7 @@ import numpy as np
 
 from lapjoint.cli.echo import echo
 from lapjoint.figures.branch_names import bifurcation_name, locus_name, parameter_of, second_parameter_of
+from lapjoint.figures.sweep_axes import units
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,6 +42,11 @@ def print_branches(dataset: xr.Dataset) -> None:
     _print_what_is_missing(dataset)
 
 
+def _unit(dataset: xr.Dataset, name: str | None = None) -> str:
+    """The unit of a parameter behind a space, by default of the one that changes along the branches."""
+    return f" {units(dataset, name or parameter_of(dataset))}".removesuffix(" -")
+
+
 def _print_branch(dataset: xr.Dataset, i: int) -> None:
     mine = np.flatnonzero(dataset.branch.values == i)
     values, stable = dataset[parameter_of(dataset)].values[mine], int(dataset.stable.values[mine].sum())
@@ -48,7 +54,7 @@ def _print_branch(dataset: xr.Dataset, i: int) -> None:
     ends = f"{dataset.branch_first_end.values[i]}, {dataset.branch_last_end.values[i]}"
     echo(
         f"branch {i}: period multiple {multiple}, {mine.size} points, {stable} stable, "
-        f"from {values.min():.6g} to {values.max():.6g}; ends: {ends}"
+        f"from {values.min():.6g} to {values.max():.6g}{_unit(dataset)}; ends: {ends}"
     )
     for j in np.flatnonzero(dataset.bifurcation_branch.values == i):
         echo(f"  {bifurcation_text(dataset, int(j))}")
@@ -58,10 +64,13 @@ def _print_ends_without_motion(dataset: xr.Dataset) -> None:
     """Print the ends of the range that no branch reaches, although a march from rest was made there."""
     values, most = dataset[parameter_of(dataset)].values, int(dataset.attrs["max_period_multiple"])
     repeats = "each excitation period" if most == 1 else f"{most} excitation periods or fewer"
+    unit = _unit(dataset)
     missing = int(dataset.left_out.sum()) or int(dataset.sizes.get("failure", 0))
     for end in np.asarray(dataset.attrs["range"]) if values.size and not missing else ():
         if np.abs(values - end).min() > _AT_END * max(abs(end), np.ptp(dataset.attrs["range"])):
-            echo(f"no branch comes to {end:.6g}: from rest, no motion that repeats after {repeats} was found there")
+            echo(
+                f"no branch comes to {end:.6g}{unit}: from rest, no motion that repeats after {repeats} was found there"
+            )
 
 
 def _print_loci(dataset: xr.Dataset) -> None:
@@ -70,6 +79,7 @@ def _print_loci(dataset: xr.Dataset) -> None:
     locus, at, value = (dataset[f"bifurcation_{name}"].values for name in ("locus", "also_over", "value"))
     found = "loci:" if locus.size else "no bifurcations"
     echo(f"{dataset.branch_first_end.size} branches at {second.size} values of {second.attrs['path']}; {found}")
+    unit, also = _unit(dataset), _unit(dataset, str(second.name))
     numbers, counts = np.unique(locus, return_counts=True)
     for shown, k in enumerate(np.argsort(-counts, kind="stable")):
         if shown == ROWS_SHOWN:
@@ -77,7 +87,7 @@ def _print_loci(dataset: xr.Dataset) -> None:
             return
         mine = np.flatnonzero(locus == numbers[k])
         mine = mine[np.argsort(at[mine], kind="stable")]
-        ends = " to ".join(f"{value[j]:.6g} at {at[j]:.6g}" for j in dict.fromkeys((mine[0], mine[-1])))
+        ends = " to ".join(f"{value[j]:.6g}{unit} at {at[j]:.6g}{also}" for j in dict.fromkeys((mine[0], mine[-1])))
         echo(f"  {locus_name(dataset, int(mine[0]))}, {mine.size} of {second.size} values: {ends}")
 
 
@@ -97,9 +107,10 @@ def _uncovered_text(dataset: xr.Dataset, i: int) -> str:
     """A part of the range that no branch covers, in a sentence."""
     first, last = (float(dataset[f"uncovered_{name}"].values[i]) for name in ("from", "to"))
     also = second_parameter_of(dataset)
-    where = "" if also is None else f" at {also} = {float(dataset.uncovered_also_over.values[i]):.6g}"
+    at = "" if also is None else f"{float(dataset.uncovered_also_over.values[i]):.6g}{_unit(dataset, also)}"
+    where = f" at {also} = {at}" if at else ""
     why = str(dataset.uncovered_why.values[i])
-    return f"no branch covers {first:.9g} to {last:.9g}{where}" + (f" ({why})" if why else "")
+    return f"no branch covers {first:.9g} to {last:.9g}{_unit(dataset)}{where}" + (f" ({why})" if why else "")
 
 
 def _unknown_text(dataset: xr.Dataset) -> str:
@@ -131,6 +142,6 @@ def bifurcation_text(dataset: xr.Dataset, j: int) -> str:
     value, error = float(dataset.bifurcation_value[j]), float(dataset.bifurcation_error[j])
     stated = f" ± {error:.1g}" if math.isfinite(error) else ""
     after = str(dataset.bifurcation_after.values[j])
-    text = f"{value:.9g}{stated}  {bifurcation_name(dataset, j)}" + (f": {after}" if after else "")
+    text = f"{value:.9g}{stated}{_unit(dataset)}  {bifurcation_name(dataset, j)}" + (f": {after}" if after else "")
     asked = bool(dataset.attrs["errors"])
     return text if stated or not asked else f"{text} (not confirmed by the finer solver)"

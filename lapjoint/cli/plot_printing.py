@@ -100,14 +100,21 @@ def _print_jumps(jumps: list[Jump], names: list[str], of: str, said: str) -> Non
     if not jumps:
         return
     echo(f"\n{'Jumps':<{_CURVE}}between neighbouring points that are different motions")
-    echo(f"{of:<26}{said:<28}motion")
-    for jump in jumps[:JUMPS_SHOWN]:
-        one, other = jump.motions
-        motions = one if one == other else f"{one} -> {other}"
-        values = f"{names[jump.curve]} {jump.values[0]:.5g} -> {jump.values[1]:.5g}"
-        echo(f"{f'{jump.before:.6g} to {jump.after:.6g}':<26}{values:<28}{motions}")
+    rows = [(of, said, "motion"), *(_jump_row(jump, names) for jump in jumps[:JUMPS_SHOWN])]
+    first, second = (max(len(row[i]) for row in rows) + 2 for i in (0, 1))
+    for place, values, motions in rows:
+        echo(f"{place:<{first}}{values:<{second}}{motions}")
     if len(jumps) > JUMPS_SHOWN:
         echo(f"... and {len(jumps) - JUMPS_SHOWN} more")
+
+
+def _jump_row(jump: Jump, names: list[str]) -> tuple[str, str, str]:
+    one, other = jump.motions
+    return (
+        f"{jump.before:.6g} to {jump.after:.6g}",
+        f"{names[jump.curve]} {jump.values[0]:.5g} -> {jump.values[1]:.5g}",
+        one if one == other else f"{one} -> {other}",
+    )
 
 
 def _print_exceeded(curve: str, count: int, runs: list[tuple[float, float]], points: int, unit: str) -> None:

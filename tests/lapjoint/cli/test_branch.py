@@ -45,13 +45,14 @@ def test_a_branch_that_takes_too_much_effort_says_so_by_its_status() -> None:
     assert result.exit_code == 1, result.output
     assert "effort" in result.stdout
     (left,) = [line for line in result.stdout.splitlines() if line.startswith("no branch covers ")]
-    assert left.endswith("(branch 0: effort; branch 1: effort)")
+    assert left.endswith(" m (branch 0: effort; branch 1: effort)")
 
 
 def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
     lines = run_well(*FOLDS, "--also-over", "stops.*.gap=0.95e-3:1.05e-3:3").splitlines()
     assert lines[1] == "3 branches at 3 values of stops.*.gap; loci:"
     assert lines[2].startswith("  first grazing of tip, 3 of 3 values: 0.000317")
+    assert lines[2].endswith(" m at 0.00105 m")
     assert [line.split(",")[0] for line in lines[3:]].count("  fold") == 2
     run_well("plot", "b.nc", "-o", "loci.svg")
     drawn = Path("loci.svg").read_text()
@@ -104,7 +105,7 @@ def test_an_end_of_the_range_to_which_no_branch_comes_is_told(
     found = read_branches("b.nc")
     found.attrs["range"] = np.array([3e-4, 5e-4])
     print_branches(found)
-    told = f"no branch comes to 0.0005: from rest, no motion that repeats {repeats} was found there"
+    told = f"no branch comes to 0.0005 m: from rest, no motion that repeats {repeats} was found there"
     assert [line for line in capsys.readouterr().out.splitlines() if "no branch" in line] == [told]
 
 
@@ -117,15 +118,18 @@ def test_whether_branches_that_spring_at_grazes_are_followed_is_another_question
 
 
 def test_a_branch_in_hz_is_that_in_radians() -> None:
-    def found(*over: str, out: str) -> list[float]:
+    def found(*over: str, out: str, unit: str) -> list[float]:
         command = ("branch", "bar.toml", *over, "--n-modes", "2", "--no-errors", "--out", out)
         printed = run_well(*command, "--set", "base_motion.amplitude=1e-4", "--max-points", "200")
-        first, last = re.findall(r"from (\S+) to (\S+);", printed)[0]
+        lines = [line for line in printed.splitlines() if re.search(r"\d to \d|^  \d", line)]
+        assert lines
+        assert all(f" {unit}" in line for line in lines), lines
+        first, last = re.findall(rf"from (\S+) to (\S+) {unit};", printed)[0]
         return [float(first), float(last)]
 
-    radians = found("--from", f"{2 * math.pi}", "--to", f"{2.5 * math.pi}", out="rad.nc")
-    hertz = found("--from", "1", "--to", "1.25", "--hz", out="hz.nc")
-    keyed = found("--over", "base_motion.frequency", "--from", "1", "--to", "1.25", out="keyed.nc")
+    radians = found("--from", f"{2 * math.pi}", "--to", f"{2.5 * math.pi}", out="rad.nc", unit="rad/s")
+    hertz = found("--from", "1", "--to", "1.25", "--hz", out="hz.nc", unit="Hz")
+    keyed = found("--over", "base_motion.frequency", "--from", "1", "--to", "1.25", out="keyed.nc", unit="Hz")
     assert hertz == keyed == pytest.approx([1.0, 1.25])
     assert radians == pytest.approx([2 * math.pi, 2.5 * math.pi], rel=1e-5)
     assert read_branches("hz.nc").identical(read_branches("keyed.nc"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import xarray as xr
 from command_line import PAPER, assert_refused, run, run_well
 from made_sweeps import made_sweep
 
+from lapjoint.cli.plot_printing import _print_jumps
+from lapjoint.figures.curve_features import Jump
 from lapjoint.files.netcdf import write_netcdf
 from lapjoint.problem import FloatArray
 
@@ -35,9 +38,9 @@ def test_several_sweeps_are_drawn_in_one_figure_and_their_peaks_and_jumps_are_pr
         "the grid.",
         "",
         "Jumps             between neighbouring points that are different motions",
-        "angular frequency [rad/s] impulse [N s]               motion",
-        "14.5 to 15                pad 30.25 -> 36             periodic, 1 period -> periodic, 2 periods",
-        "17.5 to 18                pad 72.25 -> 0              periodic, 2 periods",
+        "angular frequency [rad/s]  impulse [N s]    motion",
+        "14.5 to 15                 pad 30.25 -> 36  periodic, 1 period -> periodic, 2 periods",
+        "17.5 to 18                 pad 72.25 -> 0   periodic, 2 periods",
         "",
         "Beyond the limit of 0.5 N s",
         "pad               16 of 21 points, 10 to 17.5 rad/s",
@@ -108,6 +111,7 @@ def test_what_cannot_be_drawn_is_told_in_a_line(what: str) -> None:
     assert not Path("a.png").exists()
 
 
+@pytest.mark.thorough
 def test_samples_are_a_bifurcation_diagram() -> None:
     given = ("--from", "500", "--to", "520", "--step", "10", "--n-modes", "4", "--strobe", "8")
     run_well("sweep", PAPER, *given, "--at", "x=1.25", "--out", "strobe.nc")
@@ -123,3 +127,14 @@ def test_samples_are_a_bifurcation_diagram() -> None:
     )
     assert_refused(run("sweep", PAPER, *given, "--at", "x=1,2", "--out", "a.nc"), "--at x=1,2: has 2 places; one", 1)
     assert_refused(run("sweep", PAPER, *given, "--at", "x=9", "--out", "a.nc"), "x = 9: lies outside the beam", 1)
+
+
+def test_columns_of_jumps_stay_apart_however_long_a_name_or_a_value_is(capsys: pytest.CaptureFixture[str]) -> None:
+    jump = Jump(19.25, 19.5, ("periodic, 1 period", "aperiodic"), 0, (-0.00074694, -0.00085237))
+    _print_jumps([jump], ["support plate 12"], "frequency [Hz]", "impulse [N s]")
+    *_, header, row = capsys.readouterr().out.splitlines()
+    assert re.split(r"\s{2,}", header) == ["frequency [Hz]", "impulse [N s]", "motion"]
+    place, values, motions = re.split(r"\s{2,}", row)
+    assert (place, motions) == ("19.25 to 19.5", "periodic, 1 period -> aperiodic")
+    assert values == "support plate 12 -0.00074694 -> -0.00085237"
+    assert header.index("motion") == row.index(motions)
