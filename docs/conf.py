@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import re
+import sys
 from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
+
+import nbformat
+
+sys.path.insert(0, str(Path(__file__).parent))
+from notebooks import PAGES, notebook_of
 
 project = "lapjoint"
 author = "The lapjoint developers"
@@ -72,6 +78,11 @@ def _read(app: Any, docname: str, source: list[str]) -> None:
     """A page of this folder: links that leave it stay within the site."""
     up = "../" * docname.count("/")
     source[0] = _led_home(source[0], up, f"{up}../")
+    if f"{docname}.md" in PAGES:
+        name = docname.rpartition("/")[2]
+        heading, _, rest = source[0].partition("\n")
+        offer = f'<p><a href="{name}.ipynb" download>This page as a notebook</a></p>'
+        source[0] = f"{heading}\n\n{offer}\n{rest}"
 
 
 def _included(app: Any, relative_path: Any, parent_docname: str, content: list[str]) -> None:
@@ -83,7 +94,7 @@ def _included(app: Any, relative_path: Any, parent_docname: str, content: list[s
 
 
 def _finished(app: Any, error: Exception | None) -> None:
-    """What Sphinx leaves out for those who do not see, or use no mouse.
+    """What Sphinx leaves out for those who do not see, or use no mouse; and the notebooks.
 
     Levels of headings, names of what stands beside a page, boxes that scroll by the keyboard, and options that are not
     cut after their dashes.
@@ -95,6 +106,9 @@ def _finished(app: Any, error: Exception | None) -> None:
             text = re.sub(rf'<aside class="{beside}([^"]*)">', rf'<aside class="{beside}\1" aria-label="{name}">', text)
         text = re.sub(r'<span class="pre">(--[\w-]{1,24})</span>', r'<span class="pre option">\1</span>', text)
         page.write_text(re.sub(r"<pre>", '<pre tabindex="0">', text), encoding="utf-8")
+    for name in () if error else PAGES:
+        notebook = notebook_of((Path(app.srcdir) / name).read_text(encoding="utf-8"))
+        nbformat.write(notebook, (Path(app.outdir) / name).with_suffix(".ipynb"))
 
 
 def setup(app: Any) -> None:

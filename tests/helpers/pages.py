@@ -20,19 +20,29 @@ contacts, whose intervals are a tenth."""
 
 
 def assert_session(console: str) -> list[str]:
-    """Run the commands of a block: each prints the lines below it, in their order; "..." stands for any line.
+    """Run the commands of a block: each prints the lines below it, as `assert_shown` compares them."""
+    lines = []
+    for line, shown in sessions(console):
+        assert_shown(line, shown, run_well(*shlex.split(line)))
+        lines.append(line)
+    return lines
+
+
+def sessions(console: str) -> list[tuple[str, str]]:
+    """The commands of a block, without the name of the program, each with what stands below it."""
+    parts = (part.partition("\n") for part in console.replace("\\\n", "").split("$ lapjoint ")[1:])
+    return [(line, shown) for line, _, shown in parts]
+
+
+def assert_shown(line: str, shown: str, printed: str) -> None:
+    """A command prints the lines below it, in their order; "..." stands for any line.
 
     Of statistics each row has its words and its first number, to `SCATTER`: rounding leads to another chaotic motion.
     """
-    lines = []
-    for part in console.split("$ lapjoint ")[1:]:
-        line, _, shown = part.partition("\n")
-        same = alike if line.startswith("statistics") else str.__eq__
-        printed = iter(run_well(*shlex.split(line)).splitlines())
-        for expected in shown.splitlines():
-            assert expected == "..." or any(same(expected.rstrip(), one.rstrip()) for one in printed), (line, expected)
-        lines.append(line)
-    return lines
+    same = alike if line.startswith("statistics") else str.__eq__
+    rows = iter(printed.splitlines())
+    for expected in shown.splitlines():
+        assert expected == "..." or any(same(expected.rstrip(), one.rstrip()) for one in rows), (line, expected)
 
 
 def alike(expected: str, printed: str) -> bool:
