@@ -17,6 +17,11 @@ OF_ENERGY = 1
 """Order of the time derivative as which an energy lost in a damped stop converges: that of the velocity in the damper's
 force."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_SERIES = (np.polynomial.legendre.legvander(_NODES, _NODES.size - 1) * _WEIGHTS[:, None]).T * (
+    np.arange(_NODES.size)[:, None] + 0.5
+)
+"""Legendre coefficients, by rows, of the polynomial through values at the nodes, by columns."""
+_WITH_ENDS = np.concatenate([[-1.0], _NODES, [1.0]])
 _TURN = 1.5
 """Turn of the fastest mode in one panel, rad: the integrand turns twice as far, and eight nodes give twelve digits."""
 _GROWTH = 1.5
@@ -69,6 +74,55 @@ def energies_lost(history: History, stop: int, spans: Sequence[Span], fastest: f
     `fastest` is as in `with_dissipation`, by default the rate of the fastest mode.
     """
     return _lost(history, stop, spans, _courses(history, stop, spans, fastest))
+
+
+def taken(history: History) -> list[tuple[float, float]]:
+    """Of each contact, what the stop has taken at its end and, at the most, before that, J.
+
+    A stop without damping gives all back, and holds most when it is pressed hardest, F^2 / (2 k).  What a damped stop
+    has taken is the integral of F d', of which the largest value stands where the polynomial through the nodes of a
+    panel turns from positive to negative, or at an end of the contact.
+    """
+    found, stops = [(0.0, 0.0)] * len(history.contacts), history.problem.structure.stops
+    for stop, it in enumerate(stops):
+        which = [i for i, contact in enumerate(history.contacts) if contact.stop == stop]
+        if it.damping == 0:
+            for i in which:
+                found[i] = 0.0, history.contacts[i].peak_force ** 2 / (2 * it.stiffness)
+        elif which:
+            mine = (history.contacts[i] for i in which)
+            spans = [Span(one.start, one.end, one.open_start, one.open_end) for one in mine]
+            for i, course in zip(which, _courses(history, stop, spans), strict=True):
+                found[i] = _largest_integral(*course)
+    return found
+
+
+def _largest_integral(weights: FloatArray, force: FloatArray, rate: FloatArray) -> tuple[float, float]:
+    """The integral of F d' along a course, and the largest one up to any moment of it, J; at least 0."""
+    halves = weights.reshape(-1, _NODES.size).sum(axis=1) / 2
+    series = (force * rate).reshape(-1, _NODES.size) @ _SERIES.T  # Legendre coefficients of the power in each panel
+    until = np.cumsum(2 * halves * series[:, 0])
+    sampled = series @ np.polynomial.legendre.legvander(_WITH_ENDS, _NODES.size - 1).T
+    most = max(float(until.max(initial=0.0)), 0.0)
+    for i in np.flatnonzero(((sampled[:, :-1] > 0) & (sampled[:, 1:] <= 0)).any(axis=1)).tolist():
+        roots = np.polynomial.legendre.legroots(series[i])
+        s = roots.real[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) < 1)]
+        within = np.polynomial.legendre.legval(s, np.polynomial.legendre.legint(series[i], lbnd=-1))
+        most = max(most, float((until[i] - 2 * halves[i] * series[i, 0] + halves[i] * within).max(initial=0.0)))
+    return float(until[-1]), most
+
+
+def received(history: History, repeats: bool) -> FloatArray:
+    """The most that the stop has taken at any moment of each contact, J, shape (contacts,); 0 of a contact that began
+    before the motion.  If the motion `repeats`, a contact that its end cuts goes on at its start."""
+    energies = taken(history)
+    begun = {c.stop: i for i, c in enumerate(history.contacts) if c.open_start}
+    found = np.zeros(len(energies))
+    for i, (contact, (whole, most)) in enumerate(zip(history.contacts, energies, strict=True)):
+        if not contact.open_start:
+            rest = begun.get(contact.stop) if repeats and contact.open_end else None
+            found[i] = most if rest is None else max(most, whole + energies[rest][1])
+    return found
 
 
 def parts_of(history: History, contact: Contact, times: Sequence[float]) -> list[Contact]:

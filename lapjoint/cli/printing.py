@@ -19,6 +19,7 @@ from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, pla
 from lapjoint.files.writing import write_file
 from lapjoint.summaries import summarise
 from lapjoint.summaries.blocks import Block, Number, at_stops, steady_blocks
+from lapjoint.summaries.fatigue_of_orbit import OF_FATIGUE
 from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS
 
 if TYPE_CHECKING:
@@ -182,13 +183,13 @@ def _print_columns(problem: Problem, block: Block) -> None:
 
 
 def _print_at_stops(problem: Problem, block: Block) -> None:
-    """Print one number of each stop, with its place and side; nothing without rows."""
+    """Print one number of each stop, with its place and side, or of all; nothing without rows."""
     if not block.rows:
         return
     names, width = stop_column(problem)
     echo(f"\n{block.title}")
     for row in block.rows:
-        name = f"{'in all':<{width + 21}}"
+        name = f"{row.where:<{width + 21}}"
         if row.stop is not None:
             stop = problem.structure.stops[row.stop]
             name = f"{names[row.stop]:<{width}}x = {stop.where:<8} {stop.side:<8}"
@@ -293,6 +294,16 @@ def summary_of(found: SteadyState, at: list[float] | None) -> dict[str, Any]:
     for name, (units, _) in OF_ALL.items():
         errors = None if summary.errors is None else float(summary.errors[name][0])
         content[name] = {"units": written(units), "value": float(summary.values[name][0]), "error": errors}
+    if summary.fatigue is not None:
+        for name, (units, _) in OF_FATIGUE.items():
+            rows = list(dict.fromkeys([*what.asked.tolist(), int(np.argmax(summary.fatigue.values["damage_rate"]))]))
+            of = summary.fatigue.errors
+            content[name] = {
+                "units": written(units),
+                "x_m": what.x[rows].tolist(),
+                "values": summary.fatigue.values[name][rows].tolist(),
+                "errors": None if of is None else of[name][rows].tolist(),
+            }
     return content
 
 

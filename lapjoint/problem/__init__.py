@@ -23,6 +23,7 @@ from lapjoint.problem.excitation import (
     SineLoad,
     StepLoad,
 )
+from lapjoint.problem.fatigue import SNLine
 from lapjoint.problem.files import read_problem, write_problem
 from lapjoint.problem.initial import (
     AtEquilibrium,
@@ -86,6 +87,7 @@ __all__ = [
     "RecordBaseMotion",
     "RecordLoad",
     "Rectangle",
+    "SNLine",
     "SampledShape",
     "Section",
     "ShapeFunction",

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
+from lapjoint.problem.fatigue import SNLine
 from lapjoint.problem.schema import NonNegative, Part, Positive
 
 LEAST, MOST = 1e-100, 1e100
@@ -27,6 +28,8 @@ class Material(Part):
     """Young's modulus E, Pa."""
     density: Positive
     """Mass density rho, kg/m3."""
+    fatigue: SNLine | None = None
+    """S-N line, by which cycles of stress do damage."""
 
 
 class Rectangle(Part):

@@ -77,6 +77,7 @@ def hints(problem: Written, joint: Structure, forces: Forces) -> tuple[str, ...]
     ]
     return (
         *found,
+        *_of_fatigue(line),
         *_of_supports(supports_of(problem, line)),
         *_of_stops(stops, line),
         *_of_masses(masses_of(problem, line), line),
@@ -84,6 +85,12 @@ def hints(problem: Written, joint: Structure, forces: Forces) -> tuple[str, ...]
         *_of_damping(problem.damping),
         *_of_excitation(forces, line),
     )
+
+
+def _of_fatigue(line: Line) -> Iterator[str]:
+    """A hint if an S-N line cannot be used, because parts of the beams have no section and therefore no stress."""
+    if not line.has_sections and any(piece.material and piece.material.fatigue for piece in line.pieces):
+        yield "fatigue: no damage is stated, because stress needs a section in every part of the beams"
 
 
 def _of_beam(path: str, beam: Beam) -> Iterator[str]:

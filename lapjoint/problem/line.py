@@ -13,6 +13,7 @@ import numpy as np
 
 from lapjoint.errors import InputError
 from lapjoint.problem.beam import Beam, BeamPiece, Material, Section
+from lapjoint.problem.fatigue import SNLine
 from lapjoint.problem.messages import shortened
 from lapjoint.problem.named_beam import NamedBeam
 from lapjoint.problem.places import split_place
@@ -337,3 +338,18 @@ class Line:
     def has_sections(self) -> bool:
         """Whether each piece has a section."""
         return all(piece.section is not None for piece in self.pieces)
+
+    @cached_property
+    def has_fatigue(self) -> bool:
+        """Whether the beams have sections everywhere, and any of them a material with an S-N line."""
+        return self.has_sections and any(
+            piece.material is not None and piece.material.fatigue is not None for piece in self.pieces
+        )
+
+    def fatigue_at(self, x: float) -> SNLine | None:
+        """The S-N line at a position, m: of both sides of a step that of the larger stress; None if it has none."""
+        sides = [piece for piece in self.pieces if piece.start <= x <= piece.end and piece.section is not None]
+        if not sides:
+            return None
+        larger = max(sides, key=lambda piece: piece.section.depth / piece.section.second_moment if piece.section else 0)
+        return larger.material.fatigue if larger.material else None

@@ -29,6 +29,7 @@ Finite = Annotated[float, _Number, Field(allow_inf_nan=False)]
 Positive = Annotated[float, _Number, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, _Number, Field(ge=0, allow_inf_nan=False)]
 Whole = Annotated[int, _Number]
+AtLeastOne = Annotated[float, _Number, Field(ge=1)]  # infinite allowed
 SpringStiffness = Annotated[float, _Number, Field(ge=0)]  # infinite allowed, NaN refused by ge
 
 

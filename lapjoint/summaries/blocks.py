@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +12,13 @@ from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.figures.text import error_text
 from lapjoint.problem import FloatArray, Problem
+from lapjoint.summaries.fatigue_of_orbit import OF_FATIGUE, FatigueSummary
 from lapjoint.summaries.of_orbit import OF_STOPS, WANDERING, OrbitSummary, summarise
 
+POWERS = {"input_power": "of the excitation", "damping_power": "lost in beams and links"}
+"""Mean powers that are no stop's, and what they are."""
+LIFE = "Time until the damage is 1, where it is largest [h]"
+"""Title of the block of the fatigue life."""
 IMPULSE = "Impulse per excitation period [N s], top positive"
 """Title of the block of impulses of a steady state."""
 
@@ -120,7 +125,7 @@ def at_stops(
 
 
 def steady_blocks(found: SteadyState, at: Sequence[float] | None = None) -> list[Block]:
-    """What is shown of a steady state: impulses and losses, then peaks, root mean squares, forces and contacts.
+    """What is shown of a steady state: impulses and losses, then peaks, forces, contacts, powers, fatigue.
 
     Blocks without rows are left out.
     """
@@ -144,8 +149,12 @@ def summary_blocks(summary: OrbitSummary, over: str = "") -> list[Block]:
         columns = [values[name] for name in names]
         return at_stops(problem, title, heads, columns, [error(name) for name in names], digits=5)
 
+    def alone(name: str) -> Number:
+        unsure = error(name)
+        return Number(float(values[name][0]), None if unsure is None else float(unsure[0]))
+
     heading = f"Mean power lost in damped stops{over} [W]"
-    total, unsure = float(values["dissipated_power_total"][0]), error("dissipated_power_total")
+    total = alone("dissipated_power_total")
     blocks = [
         Block(f"Largest magnitude, and RMS{over}", ("peak", "RMS"), tuple(_at_places(summary))),
         block("Force [N]", ("peak", "RMS"), "force_peak", "force_rms"),
@@ -157,26 +166,53 @@ def summary_blocks(summary: OrbitSummary, over: str = "") -> list[Block]:
             [values["dissipated_power"]],
             [error("dissipated_power")],
             damped=True,
-            in_all=(total, None if unsure is None else float(unsure[0])),
+            in_all=(total.value, total.error),
         ),
     ]
+    received = f"Mean power received by stops{over}, to keep or to give back [W]"
+    blocks.insert(3, block(received, ("",), "received_power"))
+    powers = [Row(text, (alone(name),)) for name, text in POWERS.items()]
+    blocks.append(Block(f"Mean power{over} [W]", ("",), tuple(powers)))
     others = [name for name in OF_STOPS if name not in _OF_STOPS_SHOWN]
+    if summary.fatigue is not None:
+        blocks += _of_fatigue(summary, summary.fatigue)
     return blocks + [block(f"{OF_STOPS[name][1]} [{written(OF_STOPS[name][0])}]", ("",), name) for name in others]
 
 
-_OF_STOPS_SHOWN = ("force_peak", "force_rms", "contact_rate", "contact_time", "dissipated_power")
+_OF_STOPS_SHOWN = ("force_peak", "force_rms", "contact_rate", "contact_time", "received_power", "dissipated_power")
 
 
 def _at_places(summary: OrbitSummary) -> list[Row]:
-    """For each quantity a row for each chosen place, and one for the place where it is largest along the beam."""
-    what, values, errors = summary.selection, summary.values, summary.errors
-    line, rows = what.problem.line, []
-    for one in what.quantities:
+    """Peak and root mean square of each quantity."""
+    rows: list[Row] = []
+    for one in summary.selection.quantities:
         of = f"{one.name.replace('_', ' ')} [{written(one.units)}]"
-        names = [f"{one.name}_{kind}" for kind in ("peak", "rms")]
-        largest = int(np.argmax(values[names[0]]))
-        for i in [*what.asked.tolist(), largest]:
-            numbers = [Number(float(values[n][i]), None if errors is None else float(errors[n][i])) for n in names]
-            rows.append(Row(line.place(float(what.x[i]), 4), tuple(numbers), of, asked=i in what.asked))
-        rows[-1] = Row(rows[-1].where, rows[-1].numbers, of, largest=True, asked=rows[-1].asked)
+        rows += _along(summary, of, summary.values, summary.errors, f"{one.name}_peak", f"{one.name}_rms")
+    return rows
+
+
+def _of_fatigue(summary: OrbitSummary, fatigue: FatigueSummary) -> list[Block]:
+    """Damage and ranges at places, and the life, if there is damage."""
+    values, errors, rows = fatigue.values, fatigue.errors, list[Row]()
+    for name, (units, _) in OF_FATIGUE.items():
+        rows += _along(summary, f"{name.replace('_', ' ')} [{written(units)}]", values, errors, name)
+    blocks = [Block("Fatigue; equivalent range: once a period", ("value",), tuple(rows))]
+    worst = int(np.argmax(values["damage_rate"]))
+    rate = float(values["damage_rate"][worst])
+    if rate > 0:
+        unsure = None if errors is None else float(errors["damage_rate"][worst]) / rate**2 / 3600
+        blocks.append(Block(LIFE, ("",), (Row("along the beam", (Number(1 / rate / 3600, unsure),)),)))
+    return blocks
+
+
+def _along(
+    summary: OrbitSummary, of: str, values: dict[str, FloatArray], errors: dict[str, FloatArray] | None, *names: str
+) -> list[Row]:
+    """A row for each chosen place, and one for the place where the first number is largest along the beam."""
+    what, rows = summary.selection, list[Row]()
+    largest = int(np.argmax(values[names[0]]))
+    for i in [*what.asked.tolist(), largest]:
+        numbers = [Number(float(values[n][i]), None if errors is None else float(errors[n][i])) for n in names]
+        rows.append(Row(what.problem.line.place(float(what.x[i]), 4), tuple(numbers), of, asked=i in what.asked))
+    rows[-1] = replace(rows[-1], largest=True)
     return rows

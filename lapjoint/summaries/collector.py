@@ -14,6 +14,9 @@ so that the result is a lower bound.
 **Contacts** are counted once, in the unit in which they begin, even if the end of a stretch cuts them.  Their times,
 impulses, largest forces and energies belong to the unit in which they act: a contact that lasts through several units
 is cut at their edges.
+
+**Cycles of stress**, see `lapjoint.summaries.rainflow`, belong to the unit in which they close; the residue of the
+whole motion is shared by all units.
 """
 
 from __future__ import annotations
@@ -24,15 +27,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lapjoint.answers.dissipation import parts_of
+from lapjoint.answers.dissipation import parts_of, taken
 from lapjoint.answers.history import Contact, History
+from lapjoint.answers.powers import input_power
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.distributions import bins_of
 from lapjoint.summaries.quantities import Selection, keep_largest
+from lapjoint.summaries.rainflow import CycleCounter, Damage, Places
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
 
 FINE = 8
 """Factor by which sampling is refined around a peak."""
+OF_STRESS = 32
+"""Most samples of stress, from which cycles are counted, in a sample of other quantities: 512 in a period of the
+slowest mode by default, or as many as the fastest mode needs if these are fewer."""
 AT_ONCE = 1024
 """Largest number of times that are evaluated at once, to bound the memory."""
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
@@ -62,8 +70,14 @@ class Collector:
         self._selection, self._settle, self._end, self._rate = selection, settle, duration, rate
         self._stops = len(selection.problem.stops)
         self.sums = Sums.zero(
-            units, (duration - settle) / units, len(selection.quantities), selection.x.size, self._stops
+            units,
+            (duration - settle) / units,
+            len(selection.quantities),
+            selection.x.size,
+            self._stops,
+            selection.fatigued,
         )
+        self._cycles = CycleCounter(Places(selection.problem, selection.x[: selection.fatigued]), OF_STRESS * rate)
         self._edges = np.linspace(settle, duration, units + 1)
         self._going: dict[int, _Going] = {}
         """Contacts that last beyond the end of a stretch, by stop."""
@@ -78,11 +92,25 @@ class Collector:
             lo, hi = max(history.start, self._edges[unit]), min(history.end, self._edges[unit + 1])
             if lo < hi:
                 self._take_samples(history, unit, lo, hi)
+                if self._selection.fatigued:
+                    done = self._cycles.take(history, lo, hi, hi >= self._edges[unit + 1])
+                    if done is not None:
+                        self._add_damage(unit, done)
+
+    def _add_damage(self, unit: int | slice, damage: Damage, share: float = 1.0) -> None:
+        """Add a share of what cycles do to a unit, or to each of several."""
+        sums = self.sums
+        sums.damage[unit] += share * damage.damage
+        sums.coarse_damage[unit] += share * damage.coarse
+        sums.largest_range[unit] = np.maximum(sums.largest_range[unit], damage.largest)
+        sums.range_counts[unit] += share * damage.counts
 
     def finish(self) -> Sums:
         """All sums, after the last stretch; contacts that still last are cut."""
-        self._add([(going.contact, going.speed, True) for going in self._going.values()])
+        self._add([replace(going, cut=True) for going in self._going.values()])
         self._going = {}
+        if self._selection.fatigued:
+            self._add_damage(slice(None), self._cycles.finish(), 1 / self.sums.samples.size)
         return self.sums
 
     def _unit_of(self, t: float) -> int:
@@ -98,6 +126,7 @@ class Collector:
             sums.samples[unit] += part.size
             sums.total[unit] += values.sum(axis=-1)
             sums.squares[unit] += np.einsum("qxm,qxm->qx", values, values)
+            sums.work[unit] += input_power(history, part).sum()
             sums.force_squares[unit] += np.einsum("sm,sm->s", force, force)
             keep_largest(values, part, largest, when)
         around = [*self._records(unit, largest, when), *self._hard_contacts(history, unit, lo, hi)]
@@ -142,15 +171,15 @@ class Collector:
     def _take_contacts(self, history: History) -> None:
         """Add the contacts that end in a stretch, and keep those that last beyond it."""
         speeds, done = self._impact_speeds(history), []
-        for contact, speed in zip(history.contacts, speeds.tolist(), strict=True):
+        for contact, speed, (whole, most) in zip(history.contacts, speeds.tolist(), taken(history), strict=True):
             going = self._going.pop(contact.stop, None) if contact.open_start else None
-            cut = contact.open_start and going is None
+            this = _Going(contact, speed, contact.open_start, whole, most)
             if going is not None:
-                contact, speed, cut = _as_one(going.contact, contact), going.speed, going.cut
+                this = _as_one(going, this)
             if contact.open_end:
-                self._going[contact.stop] = _Going(contact, speed, cut)
+                self._going[contact.stop] = this
             else:
-                done.append((contact, speed, cut))
+                done.append(this)
         self._add(done)
 
     def _impact_speeds(self, history: History) -> FloatArray:
@@ -164,21 +193,22 @@ class Collector:
         signs = np.array([stop.sign for stop in stops])
         return np.asarray(np.maximum(signs[which] * velocity[which, np.arange(starts.size)], 0.0))
 
-    def _add(self, done: list[tuple[Contact, float, bool]]) -> None:
-        """Count complete contacts: each with its impact speed, m/s, and whether an end of the motion cuts it."""
+    def _add(self, done: list[_Going]) -> None:
+        """Count complete contacts."""
         if not done:
             return
         sums = self.sums
-        stop = np.array([contact.stop for contact, _, _ in done])
+        stop = np.array([it.contact.stop for it in done])
         start, end, impulse, peak = np.array(
-            [(contact.start, contact.end, contact.impulse, contact.peak_force) for contact, _, _ in done]
+            [(it.contact.start, it.contact.end, it.contact.impulse, it.contact.peak_force) for it in done]
         ).T
         begins = (start >= self._edges[0]) & (start < self._edges[-1])
         unit = np.clip(np.searchsorted(self._edges, start, side="right") - 1, 0, self._edges.size - 2)
         np.add.at(sums.contacts, (unit[begins], stop[begins]), 1)
-        whole = begins & ~np.array([cut for _, _, cut in done])
+        np.add.at(sums.received, (unit[begins], stop[begins]), np.array([it.most for it in done])[begins])
+        whole = begins & ~np.array([it.cut for it in done])
         unit, stop = unit[whole], stop[whole]
-        columns = np.abs(impulse), peak, end - start, np.array([speed for _, speed, _ in done])
+        columns = np.abs(impulse), peak, end - start, np.array([it.speed for it in done])
         for k, values in enumerate(columns[: len(OF_CONTACTS)]):
             np.add.at(sums.counts[:, :, k], (unit, stop, bins_of(values[whole])), 1)
             np.maximum.at(sums.largest[:, :, k], (unit, stop), values[whole])
@@ -199,22 +229,29 @@ class Collector:
 
 @dataclass(frozen=True)
 class _Going:
-    """A contact that lasts beyond the end of a stretch."""
+    """A contact, or its part up to the end of a stretch."""
 
     contact: Contact
-    """The part of the contact up to the end of the stretch."""
+    """The contact."""
     speed: float
     """Impact speed of the contact, m/s."""
     cut: bool
-    """Whether the contact was closed when the motion began."""
+    """Whether an end of the motion cuts the contact."""
+    whole: float
+    """Energy that the stop has taken at its end, J."""
+    most: float
+    """The most that the stop has taken at any moment of the contact, J."""
 
 
-def _as_one(begun: Contact, rest: Contact) -> Contact:
+def _as_one(begun: _Going, rest: _Going) -> _Going:
     """One contact from its two parts on either side of the end of a stretch."""
-    return replace(
-        begun,
-        end=rest.end,
-        impulse=begun.impulse + rest.impulse,
-        peak_force=max(begun.peak_force, rest.peak_force),
-        open_end=rest.open_end,
+    first, second = begun.contact, rest.contact
+    both = replace(
+        first,
+        end=second.end,
+        impulse=first.impulse + second.impulse,
+        peak_force=max(first.peak_force, second.peak_force),
+        open_end=second.open_end,
     )
+    most = max(begun.most, begun.whole + rest.most)
+    return _Going(both, begun.speed, begun.cut, begun.whole + rest.whole, most)

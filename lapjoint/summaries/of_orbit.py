@@ -18,14 +18,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lapjoint.answers.dissipation import OF_ENERGY
+from lapjoint.answers.dissipation import OF_ENERGY, received
 from lapjoint.answers.history import History
+from lapjoint.answers.powers import input_power
 from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.shown import Shown
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.correlated_series import standard_error
+from lapjoint.summaries.fatigue_of_orbit import FatigueSummary, fatigue_of_orbit, fatigue_of_wandering
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
@@ -47,10 +49,15 @@ OF_STOPS = {
     "force_rms": ("N", "root mean square of the force of the stop"),
     "contact_time": ("1", "share of time in contact"),
     "contact_rate": ("s-1", "contacts a second"),
+    "received_power": ("W", "energy that the stop takes a second, to keep or to give back: of each contact the most"),
     "dissipated_power": ("W", "energy that the stop takes and keeps a second"),
 }
 """Values of each stop: unit and meaning."""
-OF_ALL = {"dissipated_power_total": ("W", "energy that all stops take and keep a second")}
+OF_ALL = {
+    "dissipated_power_total": ("W", "energy that all stops take and keep a second"),
+    "input_power": ("W", "energy that the excitation gives a second"),
+    "damping_power": ("W", "energy that the damping of beams and links takes a second: what the stops leave"),
+}
 """Values of all stops together: unit and meaning."""
 SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS, *OF_ALL)
 """Names of all values of a summary."""
@@ -68,6 +75,8 @@ class OrbitSummary(Shown):
     errors: dict[str, FloatArray] | None
     """Estimates of the numerical errors of `values`; infinite where no error can be stated, None if none were
     estimated."""
+    fatigue: FatigueSummary | None = None
+    """Fatigue at the places; None if no material has an S-N line."""
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -114,12 +123,15 @@ def summarise(
     values = _of_periods(steady.history, what, 1)
     means = {name: value[0] for name, value in values.items()}
     if steady.impulse_errors is None:
-        return OrbitSummary(what, means, None)
+        return OrbitSummary(what, means, None, fatigue_of_orbit(steady, what, FINER))
     other = steady.comparison
     if other is None:
-        return OrbitSummary(what, means, {name: np.full_like(value, math.inf) for name, value in means.items()})
+        unknown_all = {name: np.full_like(value, math.inf) for name, value in means.items()}
+        return OrbitSummary(what, means, unknown_all, fatigue_of_orbit(steady, what, FINER))
     finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
-    orders = {one.name: (one.dx, one.dt) for one in what.quantities} | {"dissipated": (0, OF_ENERGY)}
+    orders = {one.name: (one.dx, one.dt) for one in what.quantities} | dict.fromkeys(
+        ("received", "dissipated", "input", "damping"), (0, OF_ENERGY)
+    )
     unknown = ~np.isfinite(steady.impulse_errors)
     damped = np.array([stop.damping > 0 for stop in steady.problem.stops], dtype=bool)
     errors = {}
@@ -129,13 +141,13 @@ def summarise(
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_ALL:
-            errors[name][np.any(unknown & damped)] = math.inf
+            errors[name][np.any(unknown & (damped | (name != "dissipated_power_total")))] = math.inf
         elif name in OF_STOPS:
             errors[name][unknown] = math.inf
         else:
             errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # both fulfil a condition, e.g. of a free end
     errors["dissipated_power"][~damped] = 0.0
-    return OrbitSummary(what, means, errors)
+    return OrbitSummary(what, means, errors, fatigue_of_orbit(steady, what, FINER))
 
 
 def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
@@ -156,7 +168,8 @@ def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
         of_mean = np.array([standard_error(series) if periods >= WANDERING else math.inf for series in means.T])
         size = np.where(values[name] > 0, values[name], 1.0)
         errors[name] = of_mean / (power * size ** (power - 1))
-    return OrbitSummary(what, values, None if steady.impulse_errors is None else errors)
+    fatigue = fatigue_of_wandering(steady, history, what, periods, periods >= WANDERING)
+    return OrbitSummary(what, values, None if steady.impulse_errors is None else errors, fatigue)
 
 
 def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
@@ -169,22 +182,25 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
     Q, X, S = len(what.quantities), what.x.size, len(history.problem.stops)
     squares, peaks, when = np.zeros((periods, Q, X)), np.zeros((periods, Q, X)), np.zeros((periods, Q, X))
     force_squares, force_peak = np.zeros((periods, S)), np.zeros((periods, S))
+    given = np.zeros((periods, 1))
     for p in range(periods):
         mine = np.flatnonzero(part == p)
         for here in np.split(mine, range(_AT_ONCE, mine.size, _AT_ONCE)):
             values, force = what.values(history, t[here])
             squares[p] += (values**2) @ weight[here]
             force_squares[p] += (force**2) @ weight[here]
+            given[p] += input_power(history, t[here]) @ weight[here]
             keep_largest(values, t[here], peaks[p], when[p])
         _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
     duration = np.diff(edges)[:, None]
-    time, count, lost = np.zeros((3, periods, S))
-    for contact in history.contacts:
+    time, count, lost, got = np.zeros((4, periods, S))
+    for contact, energy in zip(history.contacts, received(history, periods == 1), strict=True):
         p = int(np.clip(np.searchsorted(edges, contact.start, side="right") - 1, 0, periods - 1))
         time[p, contact.stop] += contact.duration
         force_peak[p, contact.stop] = max(force_peak[p, contact.stop], contact.peak_force)
         count[p, contact.stop] += not contact.open_start
         lost[p, contact.stop] += contact.dissipated
+        got[p, contact.stop] += energy
     nothing = is_rounding(peaks.max(axis=0))
     peaks[:, nothing], squares[:, nothing] = 0.0, 0.0
     found = {}
@@ -193,8 +209,10 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
         found[f"{one.name}_rms"] = np.sqrt(squares[:, q] / duration)
     found["force_peak"], found["force_rms"] = force_peak, np.sqrt(force_squares / duration)
     found["contact_time"], found["contact_rate"] = time / duration, count / duration
-    found["dissipated_power"] = lost / duration
+    found["received_power"], found["dissipated_power"] = got / duration, lost / duration
     found["dissipated_power_total"] = found["dissipated_power"].sum(axis=1, keepdims=True)
+    found["input_power"] = given / duration
+    found["damping_power"] = found["input_power"] - found["dissipated_power_total"]
     return found
 
 

@@ -50,6 +50,11 @@ class Selection:
         """Indices in `x` of the chosen places, shape ``(places,)``."""
         return np.searchsorted(self.x, self.places)
 
+    @property
+    def fatigued(self) -> int:
+        """Number of places at which cycles of stress are counted: all, if a material has an S-N line, or none."""
+        return self.x.size if self.problem.line.has_fatigue else 0
+
     @cached_property
     def orders(self) -> tuple[tuple[int, int], ...]:
         """Orders (dx, dt) of the derivatives that are needed, each once; the displacement is always included, for the

@@ -8,7 +8,7 @@ import numpy as np
 
 from lapjoint.answers.series import written
 from lapjoint.problem import FloatArray, Problem
-from lapjoint.summaries.blocks import Block, Number, Row
+from lapjoint.summaries.blocks import LIFE, POWERS, Block, Number, Row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,6 +19,7 @@ _DIGITS = 4
 _OF_STOPS = {
     "contact_rate": "Contacts a second",
     "contact_time": "Share of time in contact",
+    "received_power": "Mean power received by the stop [W]",
     "dissipated_power": "Mean power lost in the stop [W]",
     "impulse_rate": "Impulse a second [N], top positive",
     "force_rms": "Root mean square of the force [N]",
@@ -33,17 +34,20 @@ _OF_CONTACTS = {
 
 
 def statistics_blocks(found: xr.Dataset, problem: Problem) -> list[Block]:
-    """What is shown of statistics: values at places and at stops with their intervals, and quantiles of contacts.
+    """What is shown of statistics: values with their intervals, quantiles of contacts, powers, and fatigue.
 
     Blocks without rows are left out.
     """
     unit = f"largest in {found.attrs['unit_duration']:.3g} s, mean"
+    powers = tuple(Row(text, (_with_interval(found, name),)) for name, text in POWERS.items())
     blocks = [
         _at_places(found, problem, "root mean square", "rms", "mean", "mean"),
         _at_places(found, problem, unit, "maximum", "peak", "of all"),
         *(_at_stops(found, problem, name, title) for name, title in _OF_STOPS.items()),
         *(_at_stops(found, problem, name, _titled(found, name)) for name in _others(found)),
         *(_of_contacts(found, problem, name, title) for name, title in _OF_CONTACTS.items()),
+        Block("Mean power [W]", ("",), powers),
+        *(_of_fatigue(found, problem) if "damage_rate" in found else ()),
     ]
     return [block for block in blocks if block.rows]
 
@@ -99,6 +103,28 @@ def _of_contacts(found: xr.Dataset, problem: Problem, name: str, title: str) -> 
         numbers = [Number(min(value, largest), digits=_DIGITS) for value in values]
         rows.append(Row(stop, (*numbers, Number(largest, digits=_DIGITS)), stop=i))
     return Block(title, (*(f"{100 * share:g} %" for share in SHARES), "largest"), tuple(rows))
+
+
+def _of_fatigue(found: xr.Dataset, problem: Problem) -> list[Block]:
+    """Damage, its error by sampling, ranges at places, and the life, if there is damage."""
+    asked, rate, rows = np.flatnonzero(found.asked.values).tolist(), found.damage_rate.values, list[Row]()
+    worst = int(rate.argmax())
+    for name, other in (("damage_rate", ""), ("equivalent_range", "largest_range")):
+        of = f"{name.replace('_', ' ')} [{written(found[name].attrs['units'])}]"
+        for k, i in enumerate([*asked, worst]):
+            more = Number(float(found[other].values[i]), digits=_DIGITS) if other else None
+            where, star = problem.line.place(float(found.x.values[i]), _DIGITS), k == len(asked)
+            rows.append(Row(where, (_with_interval(found, name, i), more), of, largest=star, asked=i in asked))
+    often = f"{found.equivalent_range.attrs['equivalent_rate']:.4g}"
+    blocks = [Block(f"Fatigue; {often} cycles/s", ("", "largest"), tuple(rows))]
+    if rate[worst] > 0:
+        error = Number(100 * float(found.damage_rate.attrs["sampling_error"]), digits=2)
+        with np.errstate(divide="ignore"):
+            life, high, low = 1 / np.array([rate[worst], *found.damage_rate_interval.values[worst]]) / 3600
+        hours = Number(float(life), interval=(float(low), float(high)), digits=_DIGITS)
+        blocks.append(Block(LIFE, ("",), (Row("along the beam", (hours,)),)))
+        blocks.append(Block("Error of damage by sampling, in % of the largest", ("",), (Row("at most", (error,)),)))
+    return blocks
 
 
 def _with_interval(found: xr.Dataset, name: str, i: int | None = None) -> Number:

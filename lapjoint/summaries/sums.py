@@ -50,11 +50,23 @@ class Sums:
     """Largest value of each of `OF_CONTACTS`, shape ``(U, S, 4)``."""
     counts: CountArray
     """Uncut contacts in each bin of each of `OF_CONTACTS`, shape ``(U, S, 4, BINS)``."""
+    received: FloatArray
+    """The most that the stops take of each contact, J, shape ``(U, S)``."""
+    work: FloatArray
+    """Sum of the samples of the power of the excitation, W, shape ``(U,)``."""
+    damage: FloatArray
+    """Fatigue damage of the cycles that close, shape ``(U, X)``; ``(U, 0)`` without an S-N line."""
+    coarse_damage: FloatArray
+    """The same from every second sample."""
+    largest_range: FloatArray
+    """Largest range of stress of a cycle, Pa, shape ``(U, X)``."""
+    range_counts: FloatArray
+    """Cycles in each bin of the range of stress, shape ``(U, X, BINS)``; half cycles count half."""
 
     @classmethod
-    def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int) -> Self:
-        """Sums that are all zero, for numbers of units, each of a duration, s, of quantities, of places and of
-        stops."""
+    def zero(cls, units: int, duration: float, quantities: int, places: int, stops: int, fatigued: int = 0) -> Self:
+        """Sums that are all zero, for numbers of units, each of a duration, s, of quantities, of places, of
+        stops, and of places with an S-N line."""
         shape, of_stops = (units, quantities, places), (units, stops)
         return cls(
             duration,
@@ -70,6 +82,12 @@ class Sums:
             np.zeros(of_stops),
             np.zeros((*of_stops, len(OF_CONTACTS))),
             np.zeros((*of_stops, len(OF_CONTACTS), BINS), dtype=np.int64),
+            np.zeros(of_stops),
+            np.zeros(units),
+            np.zeros((units, fatigued)),
+            np.zeros((units, fatigued)),
+            np.zeros((units, fatigued)),
+            np.zeros((units, fatigued, BINS)),
         )
 
     def plain(self) -> dict[str, Any]:
@@ -77,7 +95,7 @@ class Sums:
         found: dict[str, Any] = {}
         for name in _NAMES:
             value = getattr(self, name)
-            if name == "counts":
+            if name in _SPARSE:
                 where = np.flatnonzero(value)
                 found[name] = [list(value.shape), where.tolist(), value.ravel()[where].tolist()]
             elif name == "duration":
@@ -92,7 +110,7 @@ class Sums:
         found: dict[str, Any] = {"duration": plain["duration"]}
         for name in _NAMES[1:]:
             kind = np.int64 if name in _COUNTS else float
-            if name == "counts":
+            if name in _SPARSE:
                 shape, where, numbers = plain[name]
                 value = np.zeros(int(np.prod(shape)), dtype=kind)
                 value[where] = numbers
@@ -110,4 +128,5 @@ class Sums:
 
 
 _NAMES = tuple(field.name for field in fields(Sums))
+_SPARSE = ("counts", "range_counts")
 _COUNTS = ("samples", "contacts", "counts")

@@ -5,7 +5,9 @@
   ``*_mean``.
 - Each stop has, over ``stop``, ``force_rms``, ``force_peak``, ``force_maximum``, ``impulse_rate`` (the mean force),
   ``contact_rate``, ``contact_time`` (the fraction of time in contact) and ``dissipated_power`` (what a damped stop
-  takes and keeps); ``dissipated_power_total`` is that of all stops together.
+  takes and keeps); ``dissipated_power_total`` is that of all stops together.  ``input_power`` and ``damping_power`` are
+  those of the excitation and of the damping of beams and links.
+- Materials with an S-N line add fatigue, see `lapjoint.summaries.fatigue_table`.
 - Each distribution has, over ``stop`` and bins, ``*_count`` and ``*_exceedance``: the number of contacts a second that
   reach or exceed the lower edge of a bin.
 
@@ -23,9 +25,11 @@ from lapjoint.answers.series import place_coordinates, stop_coordinates
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
 from lapjoint.summaries.distributions import edges
+from lapjoint.summaries.fatigue_table import fatigue_table
 from lapjoint.summaries.measure import ENOUGH, LONG, Measure
 from lapjoint.summaries.quantities import is_rounding
 from lapjoint.summaries.sums import OF_CONTACTS, Sums
+from lapjoint.summaries.valued import Variable, valued
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,8 +44,6 @@ _OF_CONTACTS = {
     "contact_duration": ("s", "duration of a contact"),
     "impact_speed": ("m s-1", "speed of the beam towards the stop when a contact begins"),
 }
-Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-"""Dimensions, values and attributes of a variable, as xarray takes them."""
 
 
 def table(what: Measure, sums: Sums) -> xr.Dataset:
@@ -50,6 +52,7 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
 
     damped = np.array([stop.damping > 0 for stop in what.selection.problem.stops], dtype=bool)
     variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums, damped), **_distributions(sums)}
+    variables |= fatigue_table(what, sums) if what.selection.fatigued else {}
     return xr.Dataset(variables, coords=_coordinates(what), attrs=_attributes(what, sums))
 
 
@@ -117,17 +120,6 @@ def _attributes(what: Measure, sums: Sums) -> dict[str, Any]:
     }
 
 
-def _valued(
-    name: str, dimensions: tuple[str, ...], values: FloatArray, ends: FloatArray, units: str, text: str
-) -> dict[str, Variable]:
-    """A value and its interval."""
-    around = f"95 % interval: {text}"
-    return {
-        name: (dimensions, values, {"units": units, "long_name": text}),
-        f"{name}_interval": ((*dimensions, "bound"), ends, {"units": units, "long_name": around}),
-    }
-
-
 def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
     found: dict[str, Variable] = {}
     number, here = sums.samples[:, None], ("x",)
@@ -137,8 +129,8 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
         peak = sums.peak[:, q] * known
         if one.dt == 0:
             text = f"mean of the {one.text}"
-            found |= _valued(f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, text)
-        found |= _valued(
+            found |= valued(f"{one.name}_mean", here, mean.mean(axis=0), intervals.of_mean(mean), one.units, text)
+        found |= valued(
             f"{one.name}_rms",
             here,
             np.sqrt(squares.mean(axis=0)),
@@ -153,7 +145,7 @@ def _of_places(what: Measure, sums: Sums) -> dict[str, Variable]:
 def _maxima(name: str, dimension: str, peak: FloatArray, units: str, text: str) -> dict[str, Variable]:
     """The largest of all units, and the mean of the largest in each unit."""
     largest = {"units": units, "long_name": f"largest magnitude of the {text}"}
-    return {f"{name}_peak": ((dimension,), peak.max(axis=0), largest)} | _valued(
+    return {f"{name}_peak": ((dimension,), peak.max(axis=0), largest)} | valued(
         f"{name}_maximum",
         (dimension,),
         peak.mean(axis=0),
@@ -168,7 +160,7 @@ def _of_stops(sums: Sums, damped: npt.NDArray[np.bool_]) -> dict[str, Variable]:
     number, here, T = sums.samples[:, None], ("stop",), sums.duration
     squares = sums.force_squares / number
     text = "force of the stop"
-    found = _valued(
+    found = valued(
         "force_rms",
         here,
         np.sqrt(squares.mean(axis=0)),
@@ -178,21 +170,22 @@ def _of_stops(sums: Sums, damped: npt.NDArray[np.bool_]) -> dict[str, Variable]:
     )
     found |= _maxima("force", "stop", sums.force_peak, "N", text)
     counts = sums.contacts
-    found |= _valued(
+    found |= valued(
         "contact_rate", here, counts.mean(axis=0) / T, intervals.of_rate(counts, T), "s-1", "contacts a second"
     )
     share, impulse = sums.time_in_contact / T, sums.impulse / T
-    found |= _valued(
+    found |= valued(
         "contact_time", here, share.mean(axis=0), intervals.of_positive_mean(share), "1", "share of time in contact"
     )
-    found |= _valued(
-        "impulse_rate", here, impulse.mean(axis=0), _signed(impulse), "N", "impulse a second; top positive"
-    )
+    found |= valued("impulse_rate", here, impulse.mean(axis=0), _signed(impulse), "N", "impulse a second; top positive")
+    got = sums.received / T
+    text = "energy that the stop takes a second, to keep or to give back: of each contact the most"
+    found |= valued("received_power", here, got.mean(axis=0), intervals.of_positive_mean(got), "W", text)
     power = sums.dissipated / T
     text = "energy that the stop takes and keeps a second"
-    found |= _valued("dissipated_power", here, power.mean(axis=0), intervals.of_positive_mean(power), "W", text)
+    found |= valued("dissipated_power", here, power.mean(axis=0), intervals.of_positive_mean(power), "W", text)
     never = share.sum(axis=0) == 0
-    for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate"):
+    for name in ("force_rms", "force_maximum", "contact_time", "impulse_rate", "received_power"):
         found[f"{name}_interval"][1][never] = [0.0, np.inf]  # of a stop that was never touched, the value is unknown
     total = power.sum(axis=1)
     ends = intervals.of_positive_mean(total)
@@ -200,8 +193,13 @@ def _of_stops(sums: Sums, damped: npt.NDArray[np.bool_]) -> dict[str, Variable]:
     found["dissipated_power_interval"][1][untouched] = [0.0, np.inf]
     if np.any(damped) and np.array_equal(untouched, damped):
         ends = np.array([0.0, np.inf])
+    given = sums.work / sums.samples
+    text = "energy that the excitation gives a second"
+    found |= valued("input_power", (), given.mean(axis=0), intervals.of_mean(given), "W", text)
+    left, text = given - total, "energy that the damping of beams and links takes a second: what the stops leave"
+    found |= valued("damping_power", (), left.mean(axis=0), intervals.of_mean(left), "W", text)
     text = "energy that all stops take and keep a second"
-    return found | _valued("dissipated_power_total", (), total.mean(axis=0), ends, "W", text)
+    return found | valued("dissipated_power_total", (), total.mean(axis=0), ends, "W", text)
 
 
 def _signed(units: FloatArray) -> FloatArray:
@@ -230,7 +228,7 @@ def _distributions(sums: Sums) -> dict[str, Variable]:
             counts.sum(axis=0),
             {"units": "1", "long_name": f"contacts in the bin, by the {text}"},
         )
-        found |= _valued(
+        found |= valued(
             f"{name}_exceedance",
             ("stop", bins),
             beyond.mean(axis=0) / sums.duration,

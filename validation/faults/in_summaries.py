@@ -66,8 +66,8 @@ SUMMARIES = (
         "a term dropped",
         "lapjoint:_as_one",
         "Of a contact that the end of a stretch cuts the first impulse is lost in its distribution.",
-        old="begun.impulse + rest.impulse",
-        new="rest.impulse",
+        old="first.impulse + second.impulse",
+        new="second.impulse",
     ),
     Fault(
         "statistics-contact-in-one-unit",

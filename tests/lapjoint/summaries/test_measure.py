@@ -120,7 +120,7 @@ def test_the_table_holds_values_within_their_intervals_and_says_what_is_doubtful
     found = table(what, sums)
     assert "1 unit" in remarks(what, sums, 1)[0]
     values = [name for name in found.data_vars if f"{name}_interval" in found]
-    assert len(values) == 3 * 3 + 2 * 2 + 6 + 1 + 4  # of velocity and acceleration there is no mean
+    assert len(values) == 3 * 3 + 2 * 2 + 7 + 3 + 4  # of velocity and acceleration there is no mean
     for name in values:
         ends = found[f"{name}_interval"]
         assert bool((ends[..., 0] <= found[name]).all() & (found[name] <= ends[..., 1]).all()), name
