@@ -22,8 +22,11 @@ _NAMES = {
     IMPULSE: "impulse in a period",
     "contact_time": "share of time in contact",
     "contact_rate": "contacts a second",
+    "received_power": "power that the stop takes, to keep or to give back",
     "dissipated_power": "power lost in the stop",
     "dissipated_power_total": "power lost in all stops",
+    "input_power": "power of the excitation",
+    "damping_power": "power lost in beams and links",
 }
 _KINDS = {"peak": "largest", "rms": "RMS of"}
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}

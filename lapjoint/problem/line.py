@@ -347,7 +347,18 @@ class Line:
         )
 
     def fatigue_at(self, x: float) -> SNLine | None:
-        """The S-N line at a position, m: of both sides of a step that of the larger stress; None if it has none."""
+        """The S-N line at a position: at a step that of the side with the larger stress.
+
+        Parameters
+        ----------
+        x : float
+            Position on the line, m.
+
+        Returns
+        -------
+        SNLine or None
+            The line; None if the material there has none.
+        """
         sides = [piece for piece in self.pieces if piece.start <= x <= piece.end and piece.section is not None]
         if not sides:
             return None

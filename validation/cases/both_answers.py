@@ -74,9 +74,9 @@ def tables_of(problem: Problem, blocks: Mapping[str, Sequence[Block]]) -> tuple[
     tables: list[Table] = []
     for single, group in itertools.groupby(matched(blocks), key=lambda block: block[1] == ("",)):
         several = list(group)
-        if single and len(several) > 1:  # one number of each stop: all such blocks make one table
+        if single and len(several) > 1:  # one number of each stop or of the whole: all such blocks make one table
             labelled = [replace(pair, label=title) for title, _, rows in several for pair in rows]
-            tables.append(_side_by_side("At the stops", ("",), labelled, solvers, "stop"))
+            tables.append(_side_by_side("Of each stop, and of the whole", ("",), labelled, solvers, "of"))
             continue
         for title, heads, rows in several:
             if len(heads) > SIDE_BY_SIDE:
