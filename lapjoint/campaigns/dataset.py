@@ -20,6 +20,7 @@ from lapjoint.campaigns.grid import Axis, Grid
 from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.point import OUTCOME_CODES
 from lapjoint.errors import InputError
+from lapjoint.files.flags import flags
 from lapjoint.files.netcdf import is_whole
 from lapjoint.files.reading import read_file
 from lapjoint.problem import Problem
@@ -87,13 +88,6 @@ def tabulated(
         more, shape = (("stop",), (len(rows), stops)) if column.of_stops else ((), None)
         found[prefix + column.name] = column.of((dimension, *more), column.values(rows), shape)
     return found
-
-
-def flags(names: Iterable[str], values: Iterable[int] | None = None) -> dict[str, Any]:
-    """Attributes of a variable whose values, by default 0, 1, ..., stand for names."""
-    words = list(names)
-    codes = range(len(words)) if values is None else values
-    return {"flag_values": np.array(list(codes), dtype="i1"), "flag_meanings": " ".join(words)}
 
 
 OUTCOME_FLAGS = flags((name.lower() for name in OUTCOME_CODES), OUTCOME_CODES.values())

@@ -16,6 +16,7 @@ from lapjoint.answers.series import written
 from lapjoint.answers.steady_state import Acceptance
 from lapjoint.cli.echo import echo
 from lapjoint.figures.text import apart, cut_to, error_text, frequency_text, plain
+from lapjoint.files.flags import flag_names
 from lapjoint.files.writing import write_file
 from lapjoint.summaries import summarise
 from lapjoint.summaries.blocks import Block, Number, at_stops, steady_blocks
@@ -323,8 +324,8 @@ def write_json(path: str, content: Any) -> None:
 def print_curve(curve: xr.Dataset) -> None:
     """Print the number of points of a sweep with each outcome, and the first messages of failed points."""
     outcome = curve.outcome.values
-    names = zip(curve.outcome.attrs["flag_values"], curve.outcome.attrs["flag_meanings"].split(), strict=True)
-    counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names]
+    names = flag_names(curve.outcome.attrs)
+    counts = [(name.replace("_", " "), int((outcome == code).sum())) for code, name in names.items()]
     echo(f"{outcome.size} points: " + ", ".join(f"{count} {name}" for name, count in counts if count))
     messages = [str(text) for text in curve.message.values.flat if text]
     for text in messages[:FAILURES_SHOWN]:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from lapjoint.figures.impulse_curve import ERRATIC, in_pieces, motion_kinds
 from lapjoint.figures.sweep_axes import fields
+from lapjoint.files.flags import flag_names
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
@@ -96,9 +97,7 @@ def jumps_of(dataset: xr.Dataset, curves: list[FloatArray]) -> list[Jump]:
 
 def motions_of(dataset: xr.Dataset) -> list[str]:
     """The motion at each point in words: ``periodic, 2 periods``, ``no contact``, ``aperiodic``, ``failed``."""
-    meanings = dataset.outcome.attrs["flag_meanings"].split()
-    names = dict(zip(np.atleast_1d(dataset.outcome.attrs["flag_values"]).tolist(), meanings, strict=True))
-    words = []
+    names, words = flag_names(dataset.outcome.attrs), []
     columns = (dataset[name].values.tolist() for name in ("outcome", "period_multiple", "symmetric"))
     for code, multiple, mirrors in zip(*columns, strict=True):
         repeats = f", {multiple} period{'s' * (multiple > 1)}" if multiple else ""

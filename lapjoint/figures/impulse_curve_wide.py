@@ -27,6 +27,7 @@ from lapjoint.figures.sweep_axes import (
 )
 from lapjoint.figures.sweep_variables import IMPULSE, curves, exponent_of, ordinate, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
+from lapjoint.files.flags import flag_names
 from lapjoint.problem import FloatArray
 
 if TYPE_CHECKING:
@@ -116,9 +117,8 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE, limits: Seq
 def certificates(dataset: xr.Dataset) -> IntArray:
     """Indices into `OUTCOME_COLOURS` of the outcomes at the points of a sweep, (first field, second field, starts)."""
     keys = list(OUTCOME_COLOURS)
-    meanings = dataset.outcome.attrs["flag_meanings"].split()
     codes = np.full(dataset.outcome.shape, keys.index("failed"))
-    for value, meaning in zip(np.atleast_1d(dataset.outcome.attrs["flag_values"]), meanings, strict=True):
+    for value, meaning in flag_names(dataset.outcome.attrs).items():
         codes[dataset.outcome.values == value] = keys.index(meaning)
     many = (codes == keys.index("periodic")) & (dataset.period_multiple.values > 1)
     return np.where(many, keys.index("periodic_n"), codes)

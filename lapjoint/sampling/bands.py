@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lapjoint.errors import InputError
+from lapjoint.files.flags import flag_names
 from lapjoint.problem import FloatArray
 from lapjoint.problem.schema import IntArray
 from lapjoint.sampling.design import DRAWN, SAMPLE
@@ -158,13 +159,7 @@ def _counts(of: Sampled) -> dict[str, int]:
         failed = of.dataset["failed"].values[of.independent] if "failed" in of.dataset else np.zeros(0)
         return {"points": int(of.independent.size), "failed": int((failed > 0).sum())}
     outcome = of.dataset.outcome.values[of.independent]
-    codes = dict(
-        zip(
-            of.dataset.outcome.attrs["flag_meanings"].split(),
-            np.ravel(of.dataset.outcome.attrs["flag_values"]).tolist(),
-            strict=True,
-        )
-    )
+    codes = {name: code for code, name in flag_names(of.dataset.outcome.attrs).items()}
     doubtful = ("failed", "undecided", "aperiodic", "quasiperiodic")
     return {"points": int(outcome.size), **{name: int((outcome == codes[name]).sum()) for name in doubtful}}
 

@@ -29,13 +29,13 @@ from lapjoint.campaigns.dataset import (
     Variable,
     attributes_of,
     axis_coordinate,
-    flags,
     read_result,
     stop_sides,
     tabulated,
 )
 from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.point import OUTCOME_CODES, Point, point_from
+from lapjoint.files.flags import flags
 
 if TYPE_CHECKING:
     import xarray as xr

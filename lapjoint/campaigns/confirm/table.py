@@ -11,7 +11,8 @@ import numpy as np
 
 from lapjoint.campaigns.branches.table import KIND_FLAGS, KINDS
 from lapjoint.campaigns.confirm.spec import ConfirmSpec
-from lapjoint.campaigns.dataset import Column, attributes_of, flags
+from lapjoint.campaigns.dataset import Column, attributes_of
+from lapjoint.files.flags import flags
 from lapjoint.orbits.branches.confirmation import Verdict
 
 if TYPE_CHECKING:
