@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Collection, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -234,6 +235,15 @@ def place_from(text: str, problem: Problem) -> float | str:
     if len(found) > 1:
         raise InputError(f"--at {text}: has {len(found)} places; one is allowed")
     return text.partition("=")[2].strip() if problem.line.several else found[0]
+
+
+def named_number(option: str, text: str, rule: str) -> tuple[str, float]:
+    """The name and the number of ``NAME=VALUE``; `rule` ends the message on any other text."""
+    name, _, value = text.partition("=")
+    with suppress(ValueError):
+        if name.strip():
+            return name.strip(), float(value)
+    raise InputError(f"{option} {text}: must be {rule}")
 
 
 def check_answer_files(files: AnswerFiles) -> None:

@@ -167,11 +167,10 @@ def _names(files: tuple[str, ...]) -> list[str]:
 
 def _limit_from(text: str) -> tuple[str, float]:
     """The variable and the value of ``NAME=VALUE``."""
-    name, equals, value = text.partition("=")
-    try:
-        limit = float(value)
-    except ValueError:
-        limit = math.nan
-    if not equals or not name.strip() or not 0 < limit < math.inf:
-        raise InputError(f"--limit {text}: must be NAME=VALUE with a positive value in SI units, as in impulse=2.5")
-    return name.strip(), limit
+    from lapjoint.cli.arguments import named_number
+
+    rule = "NAME=VALUE with a positive value in SI units, as in impulse=2.5"
+    name, limit = named_number("--limit", text, rule)
+    if not 0 < limit < math.inf:
+        raise InputError(f"--limit {text}: must be {rule}")
+    return name, limit

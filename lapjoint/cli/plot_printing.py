@@ -13,7 +13,7 @@ from lapjoint.cli.echo import echo
 from lapjoint.cli.printing import COLUMNS
 from lapjoint.figures.curve_features import STANDS_OUT, Jump, Peak, exceeding, jumps_of, peaks_of
 from lapjoint.figures.impulse_curve_wide import MOST_LINES
-from lapjoint.figures.sweep_axes import fields, in_order, short_name, units
+from lapjoint.figures.sweep_axes import fields, in_order, short_name, units, with_unit
 from lapjoint.figures.text import apart, cut_to, error_text, plain
 
 if TYPE_CHECKING:
@@ -44,12 +44,8 @@ def print_features(dataset: xr.Dataset, variable: str, limits: list[float], name
         return
     for i in range(number):
         line = dataset if second is None else dataset.isel({second: i})
-        of = "" if second is None else f"{short_name(line, second)} = {_with_unit(line, second)}"
+        of = "" if second is None else f"{short_name(line, second)} = {with_unit(line, second, line[second].item(), 6)}"
         _print_line(line, first, variable, limits, (heading + of).removesuffix(": "))
-
-
-def _with_unit(dataset: xr.Dataset, name: str) -> str:
-    return f"{dataset[name].item():.6g} {units(dataset, name)}".removesuffix(" -")
 
 
 def _print_line(dataset: xr.Dataset, first: str, variable: str, limits: list[float], heading: str) -> None:

@@ -9,7 +9,6 @@ import click
 from lapjoint.cli.completing import FILE
 from lapjoint.cli.echo import echo
 from lapjoint.cli.options import FIGURES
-from lapjoint.errors import InputError
 
 
 @click.command()
@@ -56,7 +55,7 @@ def uncertainty(
     arguments.check_file("--figure", figure, *FIGURES)
     arguments.check_file("--ranking", ranking, *FIGURES)
     arguments.check_file("--json", json_path)
-    bounds = dict(_limit(text) for text in limits)
+    bounds = dict(arguments.named_number("--limit", text, "NAME=VALUE, as in stress=120e6") for text in limits)
     dataset = read_result(file, Plan.noun)
     of = Sampled(dataset)
     names = None if variable is None else arguments.names_from(variable)
@@ -78,14 +77,3 @@ def uncertainty(
     if json_path:
         printing.write_json(json_path, uncertainty_printing.summary(found, indices))
         echo(f"Wrote {json_path}")
-
-
-def _limit(text: str) -> tuple[str, float]:
-    """The variable and the value of NAME=VALUE."""
-    name, equals, value = text.partition("=")
-    try:
-        if not equals or not name.strip():
-            raise ValueError
-        return name.strip(), float(value)
-    except ValueError:
-        raise InputError(f"--limit {text}: must be NAME=VALUE, as in stress=120e6") from None

@@ -11,16 +11,19 @@ import numpy as np
 from lapjoint.answers.series import written
 from lapjoint.cli.echo import echo
 from lapjoint.cli.printing import COLUMNS, NAME_SHOWN
-from lapjoint.figures.sweep_axes import units
+from lapjoint.figures.sweep_axes import with_unit
 from lapjoint.figures.text import cut_to, plain
 from lapjoint.sampling.bands import LARGEST, Sampled
 from lapjoint.sampling.design import SETS
+from lapjoint.summaries.blocks import shown
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _FIRST = 26
 """Width of the first column, characters."""
+_DIGITS = 4
+"""Significant digits that are printed."""
 _PLACES_SHOWN = 8
 """Largest number of stops or places of a variable that are printed; JSON has all."""
 
@@ -51,20 +54,13 @@ def print_uncertainty(of: Sampled, found: xr.Dataset, indices: xr.Dataset, names
 
 
 def summary(found: xr.Dataset, indices: xr.Dataset) -> dict[str, Any]:
-    """The content of a JSON file: coordinates, and units, dimensions and values of each variable; unknown is null."""
+    """The content of a JSON file: coordinates, and units, dimensions and values of each variable."""
     variables = {}
     for name, values in [*found.data_vars.items(), *indices.data_vars.items()]:
         entry = {str(key): value for key, value in values.attrs.items()}
-        variables[str(name)] = {**entry, "over": [str(one) for one in values.dims], "values": _plain(values.values)}
-    coordinates = {str(name): _plain(value.values) for name, value in [*found.coords.items(), *indices.coords.items()]}
+        variables[str(name)] = {**entry, "over": [str(one) for one in values.dims], "values": values.values.tolist()}
+    coordinates = {str(name): value.values.tolist() for name, value in [*found.coords.items(), *indices.coords.items()]}
     return {**found.attrs, "coordinates": coordinates, "variables": variables}
-
-
-def _plain(values: Any) -> Any:
-    """An array as lists that JSON can hold."""
-    if values.dtype.kind != "f":
-        return values.tolist()
-    return np.asarray(np.where(np.isfinite(values), values.astype(object), None)).tolist()
 
 
 def _doubts(attrs: dict[str, Any]) -> list[str]:
@@ -110,17 +106,14 @@ def _worst(values: xr.DataArray) -> dict[str, int]:
 
 
 def _where(found: xr.Dataset, at: dict[str, int], swept: tuple[str, ...]) -> str:
-    parts = [f"{found[dim].values[at[dim]]:.4g} {units(found, dim)}".removesuffix(" -") for dim in swept]
+    parts = [with_unit(found, dim, found[dim].values[at[dim]]) for dim in swept]
     return "at " + ", ".join(parts)
 
 
 def _row(label: str, found: xr.Dataset, name: str, at: dict[str, int]) -> str:
     value, ends = float(found[name].isel(at)), found[f"{name}_interval"].isel(at).values
-    texts = [_short(value), *map(_short, ends)]
-    if f"{name}_numerical" in found:
-        texts += map(_short, found[f"{name}_numerical"].isel(at).values)
-    else:
-        texts += [_short(np.nan)]
+    numerical = found[f"{name}_numerical"].isel(at).values if f"{name}_numerical" in found else [np.nan]
+    texts = (f"{shown(number, _DIGITS):>11}" for number in (value, *ends, *numerical))
     return f"{cut_to(label, _FIRST):<{_FIRST}}" + "".join(texts)
 
 
@@ -142,8 +135,3 @@ def _print_indices(indices: xr.Dataset, name: str) -> None:
 
 def _share(value: float) -> str:
     return f"{value:.2f}" if np.isfinite(value) else "?"
-
-
-def _short(value: float) -> str:
-    """A number in four digits; a question mark if it is unknown."""
-    return f"{value:11.4g}" if np.isfinite(value) else f"{'?':>11}"

@@ -15,7 +15,7 @@ from lapjoint.campaigns.point import OUTCOME_CODES
 from lapjoint.errors import InputError
 from lapjoint.figures.impulse_curve import limit
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, PAGE_WIDTH, entitle, new_axes, style
-from lapjoint.figures.sweep_axes import axis_label, constant_fields, fields, in_order, short_name, units
+from lapjoint.figures.sweep_axes import axis_label, constant_fields, fields, in_order, short_name, with_unit
 from lapjoint.figures.sweep_variables import STROBES, exponent_of, unit_of
 from lapjoint.figures.text import legend_label, literal
 from lapjoint.problem import FloatArray
@@ -117,10 +117,9 @@ def _clouds(name: str, sweep: xr.Dataset) -> dict[str, xr.Dataset]:
     second = fields(sweep)[1]
     if second is None:
         return {name: sweep}
-    unit = units(sweep, second)
     found = {}
     for i, value in enumerate(sweep[second].values):
-        of = f"{short_name(sweep, second)} = {value:.4g} {unit}".removesuffix(" -")
+        of = f"{short_name(sweep, second)} = {with_unit(sweep, second, value)}"
         found[f"{name}: {of}" if name else of] = sweep.isel({second: i})
     return found
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.answers.series import written
 from lapjoint.errors import InputError
-from lapjoint.figures.limits import DASHES
+from lapjoint.figures.limits import DASHES, limit_text
 from lapjoint.figures.style import COLOURS, STYLES, entitle, new_axes, style
 from lapjoint.figures.text import legend_label
 from lapjoint.summaries.sums import OF_CONTACTS
@@ -68,9 +67,8 @@ def plot_exceedance(
             floor = np.maximum(ends[seen, 0], 1e-3 * rate[seen])
             axes.fill_between(low[seen], floor, ends[seen, 1], color=colour, alpha=0.15, linewidth=0)
     for number, limit in enumerate(limits):
-        unit = written(str(dataset[f"{quantity}_low"].attrs["units"]))
         look: dict[str, Any] = {"color": "black", "linestyle": DASHES, "linewidth": 0.7 + 0.5 * number}
-        axes.axvline(limit, label=f"limit {limit:g} {unit}", **look)
+        axes.axvline(limit, label=limit_text(dataset, f"{quantity}_low", limit, 0), **look)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(_LABELS[quantity])

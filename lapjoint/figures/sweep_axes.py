@@ -72,7 +72,7 @@ def fields(dataset: xr.Dataset) -> tuple[str, str | None]:
 def constant_fields(dataset: xr.Dataset) -> list[str]:
     """The fields that have one value in the whole dataset of `in_order`, each as ``gap (all stops) = 0.001 m``."""
     return [
-        f"{short_name(dataset, str(name))} = {value.item():.4g} {units(dataset, str(name))}".removesuffix(" -")
+        f"{short_name(dataset, str(name))} = {with_unit(dataset, str(name), value.item())}"
         for name, value in dataset.coords.items()
         if value.ndim == 0
     ]
@@ -104,6 +104,11 @@ def units(dataset: xr.Dataset, name: str) -> str:
     """The unit of a swept field, as figures write it: ``rad/s``, or ``-`` for a field without a dimension."""
     unit = str(dataset[name].units)
     return "-" if unit == "1" else written(unit)
+
+
+def with_unit(dataset: xr.Dataset, name: str, value: float, digits: int = 4) -> str:
+    """A value of a swept field with its unit: ``515 rad/s``."""
+    return f"{value:.{digits}g} {units(dataset, name)}".removesuffix(" -")
 
 
 def short_name(dataset: xr.Dataset, name: str) -> str:
