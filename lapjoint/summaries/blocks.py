@@ -153,26 +153,26 @@ def summary_blocks(summary: OrbitSummary, over: str = "") -> list[Block]:
         unsure = error(name)
         return Number(float(values[name][0]), None if unsure is None else float(unsure[0]))
 
-    heading = f"Mean power lost in damped stops{over} [W]"
+    lost = f"Mean power lost in damped stops{over} [W]"
+    received = f"Mean power received by stops{over}, to keep or to give back [W]"
     total = alone("dissipated_power_total")
+    powers = tuple(Row(text, (alone(name),)) for name, text in POWERS.items())
     blocks = [
         Block(f"Largest magnitude, and RMS{over}", ("peak", "RMS"), tuple(_at_places(summary))),
         block("Force [N]", ("peak", "RMS"), "force_peak", "force_rms"),
         block("Contacts a second, and share of time", ("contacts", "share"), "contact_rate", "contact_time"),
+        block(received, ("",), "received_power"),
         at_stops(
             problem,
-            heading,
+            lost,
             ("",),
             [values["dissipated_power"]],
             [error("dissipated_power")],
             damped=True,
             in_all=(total.value, total.error),
         ),
+        Block(f"Mean power{over} [W]", ("",), powers),
     ]
-    received = f"Mean power received by stops{over}, to keep or to give back [W]"
-    blocks.insert(3, block(received, ("",), "received_power"))
-    powers = [Row(text, (alone(name),)) for name, text in POWERS.items()]
-    blocks.append(Block(f"Mean power{over} [W]", ("",), tuple(powers)))
     others = [name for name in OF_STOPS if name not in _OF_STOPS_SHOWN]
     if summary.fatigue is not None:
         blocks += _of_fatigue(summary, summary.fatigue)

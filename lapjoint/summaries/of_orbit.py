@@ -122,12 +122,13 @@ def summarise(
         return _of_wandering(steady, what)
     values = _of_periods(steady.history, what, 1)
     means = {name: value[0] for name, value in values.items()}
+    fatigue = fatigue_of_orbit(steady, what, FINER)
     if steady.impulse_errors is None:
-        return OrbitSummary(what, means, None, fatigue_of_orbit(steady, what, FINER))
+        return OrbitSummary(what, means, None, fatigue)
     other = steady.comparison
     if other is None:
-        unknown_all = {name: np.full_like(value, math.inf) for name, value in means.items()}
-        return OrbitSummary(what, means, unknown_all, fatigue_of_orbit(steady, what, FINER))
+        unstated = {name: np.full_like(value, math.inf) for name, value in means.items()}
+        return OrbitSummary(what, means, unstated, fatigue)
     finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
     orders = {one.name: (one.dx, one.dt) for one in what.quantities} | dict.fromkeys(
         ("received", "dissipated", "input", "damping"), (0, OF_ENERGY)
@@ -141,13 +142,14 @@ def summarise(
         errors[name] = other.bounds(apart, float(np.abs(apart).max(initial=0.0)), dx, dt)
         errors[name] = errors[name] + other.floor * float(np.abs(value).max(initial=0.0))
         if name in OF_ALL:
-            errors[name][np.any(unknown & (damped | (name != "dissipated_power_total")))] = math.inf
+            concerned = unknown & damped if name == "dissipated_power_total" else unknown
+            errors[name][concerned.any()] = math.inf
         elif name in OF_STOPS:
             errors[name][unknown] = math.inf
         else:
             errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # both fulfil a condition, e.g. of a free end
     errors["dissipated_power"][~damped] = 0.0
-    return OrbitSummary(what, means, errors, fatigue_of_orbit(steady, what, FINER))
+    return OrbitSummary(what, means, errors, fatigue)
 
 
 def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:

@@ -18,13 +18,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 from fatpack import find_rainflow_cycles
 
 from lapjoint.answers.history import History
-from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem import FloatArray, Problem, SNLine
 from lapjoint.summaries.distributions import BINS, bins_of
 
 PER_PERIOD = 16
@@ -48,17 +49,22 @@ class Rainflow:
         if points.size < 3:
             self._residue = points
             return np.zeros(0)
-        cycles, left = find_rainflow_cycles(points[:-1])  # the last one may not be a turning point yet
+        closed, left = _counted(points[:-1])  # the last one may not be a turning point yet
         self._residue = np.append(left, points[-1])
-        return np.asarray(np.abs(np.diff(cycles, axis=1)[:, 0])) if len(cycles) else np.zeros(0)
+        return closed
 
     def rest(self) -> tuple[FloatArray, FloatArray]:
         """The last cycles that close, (cycles,), and the ranges of the residue, half a cycle each, (halves,)."""
         if self._residue.size < 2:
             return np.zeros(0), np.zeros(0)
-        cycles, left = find_rainflow_cycles(self._residue)
-        closed = np.abs(np.diff(cycles, axis=1)[:, 0]) if len(cycles) else np.zeros(0)
+        closed, left = _counted(self._residue)
         return closed, np.abs(np.diff(left))
+
+
+def _counted(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The ranges of the cycles that turning points, (n,), close, (cycles,), and the points that are left."""
+    cycles, left = find_rainflow_cycles(points)
+    return np.abs(np.diff(cycles, axis=1)[:, 0]) if len(cycles) else np.zeros(0), left
 
 
 def turning_points(values: FloatArray) -> FloatArray:
@@ -129,23 +135,32 @@ class Places:
     x: FloatArray
     """Positions, m, ``(X,)``."""
 
-    def series(self, history: History, t: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Stress, Pa, and its rate, Pa/s, (X, m) each, at times, s, (m,)."""
+    @cached_property
+    def lines(self) -> tuple[SNLine | None, ...]:
+        """The S-N line of each place; None where the material has none."""
+        return tuple(self.problem.line.fatigue_at(x) for x in self.x.tolist())
+
+    def turning(
+        self, history: History, rate: float, lo: float, hi: float
+    ) -> Iterator[tuple[int, list[FloatArray], list[FloatArray]]]:
+        """In parts from `lo` to `hi`, s: the number of samples, and at each place the stresses, Pa, with their
+        extrema, from all samples and from half of them; `rate` samples a second."""
         line = self.problem.line
         factor = -(line.stress_per_moment_at(self.x) * line.EI_at(self.x))[:, None]
-        return factor * history.field(self.x, t, 2, 0), factor * history.field(self.x, t, 2, 1)
+        for t, second in sample_times(rate, lo, hi, history.switch_times):
+            values, rates = (factor * history.field(self.x, t, 2, dt) for dt in (0, 1))
+            half = with_extrema(t[second], values[:, second], rates[:, second])
+            yield t.size, with_extrema(t, values, rates), half
 
     def range_at(self, damage: FloatArray) -> FloatArray:
         """The range, Pa, of which one cycle does a damage, (X, ...) both; 0 without an S-N line."""
-        lines = [self.problem.line.fatigue_at(float(x)) for x in self.x]
         return np.array(
-            [own * 0.0 if line is None else line.range_at(own) for line, own in zip(lines, damage, strict=True)]
+            [own * 0.0 if line is None else line.range_at(own) for line, own in zip(self.lines, damage, strict=True)]
         )
 
     def add(self, to: Damage, fine: Sequence[FloatArray], coarse: Sequence[FloatArray], share: float = 1.0) -> None:
         """Add what cycles of some ranges at each place do, each a `share` of a cycle."""
-        for i, (x, ranges) in enumerate(zip(self.x.tolist(), fine, strict=True)):
-            line = self.problem.line.fatigue_at(x)
+        for i, (line, ranges) in enumerate(zip(self.lines, fine, strict=True)):
             if line is None:
                 continue
             to.damage[i] += share * float(line.damage(ranges).sum())
@@ -170,11 +185,9 @@ class CycleCounter:
         Gives what the cycles do that have closed since the last count.  Short stretches are counted together, which
         gives None until then, unless it is to be done `at_once`.
         """
-        for t, second in sample_times(min(self._rate, rate_of(history)), lo, hi, history.switch_times):
-            values, rates = self._places.series(history, t)
-            fine, coarse = with_extrema(t, values, rates), with_extrema(t[second], values[:, second], rates[:, second])
+        for size, fine, coarse in self._places.turning(history, min(self._rate, rate_of(history)), lo, hi):
             self._waiting.append((fine, coarse))
-            self._size += t.size
+            self._size += size
         return self._count() if at_once or self._size >= AT_ONCE else None
 
     def _count(self) -> Damage:
@@ -202,9 +215,7 @@ def damage_of_period(places: Places, history: History, finer: float = 1.0) -> Da
     """What the cycles of a motion do that is one period and repeats; from at most `finer` times `MOST` samples."""
     rows: list[tuple[list[FloatArray], list[FloatArray]]] = [([], []) for _ in places.x]
     rate = min(rate_of(history), finer * MOST / (history.end - history.start))
-    for t, second in sample_times(rate, history.start, history.end, history.switch_times):
-        values, rates = places.series(history, t)
-        fine, coarse = with_extrema(t, values, rates), with_extrema(t[second], values[:, second], rates[:, second])
+    for _, fine, coarse in places.turning(history, rate, history.start, history.end):
         for row, one, other in zip(rows, fine, coarse, strict=True):
             row[0].append(one)
             row[1].append(other)

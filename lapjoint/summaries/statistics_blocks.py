@@ -71,17 +71,23 @@ def _at_places(found: xr.Dataset, problem: Problem, title: str, value: str, othe
     names = [
         str(name)[: -len("_rms")] for name in found.data_vars if str(name).endswith("_rms") and "x" in found[name].dims
     ]
-    asked, rows = np.flatnonzero(found.asked.values).tolist(), []
+    rows: list[Row] = []
     for name in names:
         largest = int(found[f"{name}_{value}"].values.argmax())
-        of = f"{name.replace('_', ' ')} [{written(found[f'{name}_rms'].attrs['units'])}]"
-        for k, i in enumerate([*asked, largest]):
-            beside = f"{name}_{other}" in found
-            more = Number(float(found[f"{name}_{other}"].values[i]), digits=_DIGITS) if beside else None
-            where, star = problem.line.place(float(found.x.values[i]), _DIGITS), k == len(asked)
-            numbers = (_with_interval(found, f"{name}_{value}", i), more)
-            rows.append(Row(where, numbers, of, largest=star, asked=i in asked))
+        rows += _along(found, problem, name, f"{name}_{value}", f"{name}_{other}", largest)
     return Block(title, ("", head), tuple(rows))
+
+
+def _along(found: xr.Dataset, problem: Problem, name: str, value: str, other: str, largest: int) -> list[Row]:
+    """A row for each chosen place, and one for the place `largest`: a value with its interval, and another if the
+    dataset has it."""
+    asked, rows = np.flatnonzero(found.asked.values).tolist(), []
+    of = f"{name.replace('_', ' ')} [{written(found[value].attrs['units'])}]"
+    for k, i in enumerate([*asked, largest]):
+        more = Number(float(found[other].values[i]), digits=_DIGITS) if other in found else None
+        where, star = problem.line.place(float(found.x.values[i]), _DIGITS), k == len(asked)
+        rows.append(Row(where, (_with_interval(found, value, i), more), of, largest=star, asked=i in asked))
+    return rows
 
 
 def _at_stops(found: xr.Dataset, problem: Problem, name: str, title: str) -> Block:
@@ -107,14 +113,10 @@ def _of_contacts(found: xr.Dataset, problem: Problem, name: str, title: str) -> 
 
 def _of_fatigue(found: xr.Dataset, problem: Problem) -> list[Block]:
     """Damage, its error by sampling, ranges at places, and the life, if there is damage."""
-    asked, rate, rows = np.flatnonzero(found.asked.values).tolist(), found.damage_rate.values, list[Row]()
-    worst = int(rate.argmax())
+    rate = found.damage_rate.values
+    worst, rows = int(rate.argmax()), list[Row]()
     for name, other in (("damage_rate", ""), ("equivalent_range", "largest_range")):
-        of = f"{name.replace('_', ' ')} [{written(found[name].attrs['units'])}]"
-        for k, i in enumerate([*asked, worst]):
-            more = Number(float(found[other].values[i]), digits=_DIGITS) if other else None
-            where, star = problem.line.place(float(found.x.values[i]), _DIGITS), k == len(asked)
-            rows.append(Row(where, (_with_interval(found, name, i), more), of, largest=star, asked=i in asked))
+        rows += _along(found, problem, name, name, other, worst)
     often = f"{found.equivalent_range.attrs['equivalent_rate']:.4g}"
     blocks = [Block(f"Fatigue; {often} cycles/s", ("", "largest"), tuple(rows))]
     if rate[worst] > 0:
