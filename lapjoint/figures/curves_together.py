@@ -74,9 +74,7 @@ def plot_curves(
     sweeps = fitting(datasets, variable)
     axes = new_axes(PAGE_WIDTH, 3.4) if axes is None else axes
     some = next(iter(sweeps.values()))
-    exponent = exponent_of(variable, *sweeps.values())
-    lines = {name: dict(curves(one, variable, exponent)) for name, one in sweeps.items()}
-    stops = list(dict.fromkeys(stop for each in lines.values() for stop in each))
+    exponent, lines, stops = _lines(sweeps, variable)
     of_stops = len(stops) > 1
     if of_stops:
         for i, stop in enumerate(stops):
@@ -127,9 +125,7 @@ def plot_curves_wide(
         If the sweeps do not fit together, or one has no such variable.
     """
     sweeps = fitting(datasets, variable)
-    some, exponent = next(iter(sweeps.values())), exponent_of(variable, *sweeps.values())
-    lines = {name: dict(curves(one, variable, exponent)) for name, one in sweeps.items()}
-    stops = list(dict.fromkeys(stop for each in lines.values() for stop in each))
+    some, (exponent, lines, stops) = next(iter(sweeps.values())), _lines(sweeps, variable)
     heights = [1.15] * len(stops) + [0.16 * len(sweeps)]
     height = sum(heights) + 0.32 * len(stops) + 1.2
     panels = new_panels(len(heights), 1, PAGE_WIDTH, height, sharex=True, height_ratios=heights)
@@ -157,6 +153,15 @@ def plot_curves_wide(
     panels[-1].set_xlim(*_ends(sweeps))
     name_outcomes(figure_of(panels), np.concatenate([np.unique(one) for one in codes]))
     return panels
+
+
+def _lines(
+    sweeps: Mapping[str, xr.Dataset], variable: str
+) -> tuple[int, dict[str, dict[str, xr.DataArray]], list[str]]:
+    """The power of ten of the unit's prefix, the curves of each sweep by stop, and the stops of all sweeps."""
+    exponent = exponent_of(variable, *sweeps.values())
+    lines = {name: dict(curves(one, variable, exponent)) for name, one in sweeps.items()}
+    return exponent, lines, list(dict.fromkeys(stop for each in lines.values() for stop in each))
 
 
 def fitting(datasets: Mapping[str, xr.Dataset], variable: str) -> dict[str, xr.Dataset]:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, PAGE_WIDTH, entitle, new_panels, style
+from lapjoint.figures.limits import draw_limits
+from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, PAGE_WIDTH, entitle, new_panels, style
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.figures.sweep_variables import curves, exponent_of, ordinate
 from lapjoint.figures.text import legend_label, literal
@@ -49,7 +50,8 @@ def plot_bands(dataset: xr.Dataset, variable: str, *, limits: Mapping[str, float
     first, *others = of.swept
     found = bands(dataset, None, [variable]).isel(dict.fromkeys(others, 0)).sortby(first)
     name = of.variable(variable)
-    lines, unit = curves(dataset, name), 10.0 ** exponent_of(name, dataset)
+    lines, exponent = curves(dataset, name), exponent_of(name, dataset)
+    unit, bounds = 10.0**exponent, [limit for one, limit in (limits or {}).items() if of.variable(one) == name]
     panels = new_panels(len(lines), 1, PAGE_WIDTH, max(2.4, 1.5 * len(lines) + 0.6), sharex=True)
     x = found[first].values
     for i, (axes, (label, _)) in enumerate(zip(panels, lines, strict=True)):
@@ -63,9 +65,7 @@ def plot_bands(dataset: xr.Dataset, variable: str, *, limits: Mapping[str, float
         for edge in (ends[0, 0], ends[1, -1]):
             axes.plot(x, edge, color=colour, linestyle=":", linewidth=0.7)
         axes.plot([], [], color=colour, linestyle=":", linewidth=0.7, label="95 % interval of the band")
-        for one, limit in (limits or {}).items():
-            if of.variable(one) == name:
-                axes.axhline(limit / unit, color=GREY, linestyle="--", linewidth=0.9, label="limit")
+        draw_limits(axes, dataset, name, bounds, exponent)
         axes.set_xlim(float(x.min()), float(x.max())) if x.size > 1 else None
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(legend_label(label) if label else ordinate(dataset, name))
