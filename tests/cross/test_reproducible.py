@@ -17,8 +17,6 @@ from lapjoint import paper_joint
 from lapjoint.campaigns import FREQUENCY, Axis, sweep
 from lapjoint.solver import Solver, make_solver
 
-pytestmark = pytest.mark.long_march
-
 OMEGAS = (181.0, 515.0, 2060.0, 3300.0)  # they meet the contact states in different orders
 SOLVERS = {
     "analytic": make_solver("analytic"),
@@ -45,6 +43,7 @@ def answers(solver: Solver, omegas: Iterable[float]) -> dict[float, list[object]
     return found
 
 
+@pytest.mark.long_march
 @pytest.mark.parametrize(
     "solver", [pytest.param(it, marks=pytest.mark.thorough if it == "as published" else ()) for it in SOLVERS]
 )
@@ -73,6 +72,7 @@ def bits(**settings: str) -> str:
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.long_march
 @pytest.mark.thorough
 def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit() -> None:
     assert bits(OPENBLAS_NUM_THREADS="1") == bits(OPENBLAS_NUM_THREADS="4")
@@ -80,11 +80,15 @@ def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit() -> None:
 
 @pytest.mark.thorough
 def test_what_the_compiler_makes_of_a_function_changes_no_bit(tmp_path: Path) -> None:
-    """All that this processor can do faster, or nothing, as for any processor; the linear algebra is the same."""
+    """All that this processor can do faster, or nothing, as for any processor; the linear algebra is the same.
+
+    So `.ci/run` imitates other processors in the linear algebra alone.
+    """
     as_written = bits(NUMBA_OPT="0", NUMBA_CPU_NAME="generic", NUMBA_CACHE_DIR=str(tmp_path), PYTHONWARNINGS="ignore")
     assert as_written == bits()
 
 
+@pytest.mark.long_march
 @pytest.mark.parametrize("solver", ["analytic", "fe"])
 def test_workers_with_several_threads_find_the_same_bits_as_one(solver: str) -> None:
     """As the workers of a cluster may have; without chaos, so that a difference is one of threads alone."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -42,14 +40,6 @@ def test_rigid_beams_keep_what_they_brought() -> None:
     assert closed["momentum 1"] + closed["momentum 2"] == pytest.approx(brought.momentum, rel=1e-14)
     turning = closed["angular momentum 1"] + closed["angular momentum 2"]
     assert turning + (MEET[0] - MEET[1]) * closed["momentum 2"] == pytest.approx(brought.angular_momentum, rel=1e-14)
-
-
-@pytest.mark.thorough
-def test_both_solvers_agree_with_the_closed_forms() -> None:
-    result = colliding_beams.run("quick", lambda _: None)
-    assert result.verdict is Verdict.AGREE
-    assert len(result.checks) == 2 * (7 + 3)
-    assert all(math.isfinite(item.used) for item in result.checks)
 
 
 @pytest.mark.thorough

@@ -1,4 +1,4 @@
-"""The case `damped_stops`: all numbers agree, and other stops do not."""
+"""The case `damped_stops`: other stops are noticed."""
 
 from __future__ import annotations
 
@@ -7,11 +7,6 @@ import pytest
 from lapjoint import Problem
 from validation.cases import damped_stops
 from validation.verdict import Verdict
-
-
-def test_everything_agrees() -> None:
-    result = damped_stops.run("quick", lambda _: None)
-    assert [item.name for item in (*result.checks, *result.criteria) if item.verdict is not Verdict.AGREE] == []
 
 
 def test_another_damper_is_found(monkeypatch: pytest.MonkeyPatch) -> None:

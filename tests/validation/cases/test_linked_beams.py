@@ -1,4 +1,4 @@
-"""The case `linked-beams`: its roots are what a count finds, both solvers have them, and mistakes are noticed."""
+"""The case `linked-beams`: its roots are what a count finds, and mistakes are noticed."""
 
 from __future__ import annotations
 
@@ -19,13 +19,6 @@ def test_roots_are_the_frequencies_that_are_counted(name: str) -> None:
     pair = LINKED[name]
     exact = ExactBeams(pair.problem, pair.state).frequencies(linked_beams.ROOTS, pair.rigid)
     assert frequencies(pair) == pytest.approx(exact, rel=1e-10)
-
-
-@pytest.mark.thorough
-def test_both_solvers_meet_the_equations() -> None:
-    result = linked_beams.run("quick", lambda _: None)
-    assert result.verdict is Verdict.AGREE
-    assert len(result.checks) == 2 * linked_beams.ROOTS * len(LINKED)
 
 
 @pytest.mark.parametrize(
