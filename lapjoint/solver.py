@@ -226,8 +226,7 @@ def options_of(name: str) -> list[str] | None:
     SolverError
         If it is registered but cannot be loaded.
     """
-    factory = _factory(name)
-    return [field.name for field in fields(factory)] if is_dataclass(factory) else None
+    return _options_of(_factory(name))
 
 
 def make_solver(name: str, **options: Any) -> Solver:
@@ -252,7 +251,8 @@ def make_solver(name: str, **options: Any) -> Solver:
     SolverError
         If it is registered but cannot be loaded.
     """
-    factory, allowed = _factory(name), options_of(name)
+    factory = _factory(name)
+    allowed = _options_of(factory)
     unknown = [] if allowed is None else [option for option in options if option not in allowed]
     if unknown and allowed is not None:
         raise InputError(f"solver {name!r} has no option {unknown[0]!r}; allowed: {', '.join(allowed)}")
@@ -282,6 +282,11 @@ def _factory(name: str) -> Any:
             raise InputError(f"solver = {name!r}: is no dataclass, whose fields are the options of a solver")
         _check_whole(factory, name)
     return factory
+
+
+def _options_of(factory: Any) -> list[str] | None:
+    """The names of the options of what makes a solver; None if it does not tell them."""
+    return [field.name for field in fields(factory)] if is_dataclass(factory) else None
 
 
 def _frozen(value: Any) -> Any:

@@ -4,6 +4,7 @@ that works.
 
 from __future__ import annotations
 
+import gc
 import math
 import os
 import signal
@@ -26,6 +27,19 @@ def pytest_sessionstart() -> None:
     share = SHARES.get(os.environ.get("PYTEST_XDIST_WORKER", ""))
     if share is not None:
         share()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Workers take tests in their order, and one that has none left takes some of the other's: most modules stay whole,
+    so that their fixtures are made once, and no worker waits for a long test at the end."""
+    if config.getoption("numprocesses", None) and config.option.dist == "no":
+        config.option.dist = "worksteal"
+
+
+def pytest_collection_finish() -> None:
+    """What is loaded and collected stays until the end; searches for cyclic garbage leave it out."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session", autouse=True)

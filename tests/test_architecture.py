@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -21,10 +22,16 @@ ALLOWED = {
 SOLVERS = ("analytic", "fe_lapjoint")
 
 
+@cache
+def nodes_of(path: Path) -> tuple[ast.AST, ...]:
+    """All nodes of a file of Python."""
+    return tuple(ast.walk(ast.parse(path.read_text())))
+
+
 def imported_packages(path: Path) -> set[str]:
     """Top-level names that a file imports anywhere, also inside functions and by ``import_module``."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             found |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -47,7 +54,7 @@ def test_a_package_imports_only_what_lies_below_it(package: str) -> None:
 def imported_files(file: Path, known: dict[str, Path]) -> set[Path]:
     """The files that a file imports anywhere; a name that a package exports is that of the file that defines it."""
     found = set()
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in nodes_of(file):
         if isinstance(node, ast.ImportFrom):
             found |= {home(str(node.module), alias.name, known) for alias in node.names}
         elif isinstance(node, ast.Import):
@@ -61,7 +68,7 @@ def home(module: str, name: str, known: dict[str, Path]) -> Path | None:
         return known[f"{module}.{name}"]
     file = known.get(module)
     if file is not None and file.name == "__init__.py":
-        for node in ast.walk(ast.parse(file.read_text())):
+        for node in nodes_of(file):
             if isinstance(node, ast.ImportFrom) and name in {alias.name for alias in node.names}:
                 return home(str(node.module), name, known)
     return file

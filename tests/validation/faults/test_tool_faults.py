@@ -280,10 +280,12 @@ def outcomes(tree: Path, *tests: str) -> subprocess.CompletedProcess[str]:
     """Run tests of this checkout on the packages of a tree."""
     places = f"pythonpath={tree} {ROOT / 'tests' / 'helpers'}"
     options = ("-q", "-x", "-p", "no:cacheprovider", "-m", "", "-o", places)
+    environment = {**os.environ, "PYTHONPATH": str(tree)}
+    environment.pop("PYTEST_XDIST_WORKER", None)  # this run has no other worker to share what is compiled with
     return subprocess.run(
         [sys.executable, "-P", "-m", "pytest", *options, *dict.fromkeys(tests)],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(tree)},
+        env=environment,
         capture_output=True,
         text=True,
         check=False,

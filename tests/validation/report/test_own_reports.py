@@ -31,7 +31,7 @@ def rows_of_numbers(text: str) -> set[str]:
 
 @pages
 def test_a_report_has_the_numbers_that_the_command_line_prints(kind: str, tmp_path: Path) -> None:
-    problem, result = PROBLEMS[kind], lasting(PROBLEMS[kind])
+    problem, result = PROBLEMS[kind], lasting(kind)
     write_problem(problem, tmp_path / "joint.toml")
     command = ["steady"] if result.name == "steady" else ["statistics", "--duration", str(DURATION)]
     for (solver, options), name in zip(OPTIONS.items(), NAMES, strict=True):
@@ -60,7 +60,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def report(folder: Path, kind: str) -> Path:
     if not (folder / kind).exists():
-        write_own_report(PROBLEMS[kind], folder / kind)
+        write_own_report(kind, folder / kind)
     return folder / kind / "report.html"
 
 
