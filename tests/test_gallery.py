@@ -42,7 +42,8 @@ THREE_DIMENSIONAL = ("film", "side_by_side")
 LONG = (
     *THREE_DIMENSIONAL,
     *("basins", "branch_of_figure_4", "cascade", "chaos", "convergence", "figure_4", "first_result", "hardening"),
-    *("five_systems", "lap_joint", "loose_pinned_beam", "shaken", "spectrum", "three_stops_one_side"),
+    *("first_graze", "five_systems", "lap_joint", "loose_pinned_beam", "shaken", "single_stop", "spectrum"),
+    "three_stops_one_side",
 )
 
 

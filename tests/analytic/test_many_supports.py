@@ -132,7 +132,9 @@ def test_equal_pinned_spans_have_the_frequencies_of_the_three_moment_equation(sp
     np.testing.assert_allclose(np.sqrt(omega), [math.pi, *expected], rtol=1e-13)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(6, 20))]
+)
 def test_modes_on_some_supports_are_right(seed: int) -> None:
     assert_modes_are_right(*many_supports(seed, most=16), judged=[39])
 

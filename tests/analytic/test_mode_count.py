@@ -64,6 +64,7 @@ def strongest_pull(history: History) -> float:
     return pull / push
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("drawn", few_and_many([(41, i) for i in range(5)], [(42, i) for i in range(200)]))
 def test_random_joints_of_all_stiffnesses_hold_the_tolerance_and_no_stop_pulls(drawn: list[tuple[int, int]]) -> None:
     motions = [motion for one in drawn if (motion := first_contacts(stiff_joint(*one))) is not None]

@@ -48,6 +48,7 @@ def held(index: int) -> tuple[int, int]:
     return good, 2 * len(finite)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("problems", few_and_many(range(20), range(20, 200)))
 def test_contacts_without_damping_are_within_their_stated_errors(problems: range) -> None:
     held_of_each, of_each = np.array([held(index) for index in problems]).T

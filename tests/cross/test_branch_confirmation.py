@@ -88,6 +88,7 @@ def test_what_another_motion_has_is_not_confirmed() -> None:
     assert confirmed(replace(one, error=math.inf), other).verdict == "no error stated"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("indices", few_and_many(QUICK, range(60)))
 def test_finite_elements_confirm_bifurcations_of_random_joints(indices: Iterable[int]) -> None:
     check(over_their_ranges(indices))

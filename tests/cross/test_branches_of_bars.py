@@ -121,14 +121,14 @@ def test_the_branches_of_rigid_bars_are_those_of_the_closed_form(kind: str, seed
 
 @pytest.mark.parametrize(
     ("name", "kind"),
-    [("analytic", "flip"), ("analytic", "symmetry breaking"), ("fe", "flip"), ("fe", "neimark-sacker")],
+    [("analytic", "flip"), ("analytic", "symmetry breaking"), ("fe", "neimark-sacker")],
 )
 def test_a_stiff_bar_has_the_closed_form_as_its_limit(name: str, kind: str) -> None:
     check_in_the_limit(0, kind, SOLVERS[name])
 
 
 @pytest.mark.parametrize(
-    "seeds", [pytest.param(range(3), marks=pytest.mark.thorough), pytest.param(range(3, 15), marks=pytest.mark.slow)]
+    "seeds", [pytest.param(range(2), marks=pytest.mark.thorough), pytest.param(range(2, 15), marks=pytest.mark.slow)]
 )
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", SOLVERS)

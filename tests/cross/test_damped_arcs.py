@@ -128,6 +128,7 @@ def test_the_two_arcs_of_a_graze_are_regular_where_they_vanish(name: str) -> Non
     assert events[0] == pytest.approx(events[1], rel=1e-9)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seeds", few_and_many(range(2, 4), range(4, 16)))
 def test_arcs_go_where_an_ode_solver_goes(seeds: range) -> None:
     switches = 0

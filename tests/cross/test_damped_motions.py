@@ -136,6 +136,7 @@ def test_many_motions_switch_where_brute_force_finds_it(marched: March, seed: in
     check_motion(marched, seed)
 
 
+@pytest.mark.thorough
 def test_motions_whose_damping_couples_modes_switch_where_brute_force_finds_it() -> None:
     check_motion(by_modes, 5, 0.7, dragged_cantilever)
     check_motion(by_elements, 0, 0.6, dragged_cantilever)
@@ -161,6 +162,7 @@ def dragged_along_ramps(rng: np.random.Generator, **options: bool) -> Problem:
     )
 
 
+@pytest.mark.thorough
 def test_motions_along_ramps_switch_where_brute_force_finds_it() -> None:
     check_motion(by_modes, 0, 0.6, dragged_along_ramps)
 
@@ -172,10 +174,17 @@ def test_many_motions_along_ramps_do(draw: Draw, seed: int) -> None:
     check_motion(by_modes, seed, 1.2, draw)
 
 
-@pytest.mark.parametrize("draw", [along_ramps, dragged_along_ramps])
 @pytest.mark.parametrize(
-    "seed",
-    [pytest.param(9, marks=pytest.mark.thorough), *(pytest.param(k, marks=pytest.mark.slow) for k in range(9))],
+    ("draw", "seed"),
+    [
+        pytest.param(dragged_along_ramps, 9, marks=pytest.mark.thorough),
+        pytest.param(along_ramps, 9, marks=pytest.mark.slow),
+        *(
+            pytest.param(draw, k, marks=pytest.mark.slow)
+            for draw in (along_ramps, dragged_along_ramps)
+            for k in range(9)
+        ),
+    ],
 )
 def test_meshes_along_ramps_switch_where_brute_force_finds_it(draw: Draw, seed: int) -> None:
     check_motion(by_elements, seed, 1.0, draw)

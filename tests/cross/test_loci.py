@@ -46,7 +46,7 @@ def locus(problem: Problem, solver: str) -> tuple[xr.Dataset, FloatArray, FloatA
         *(pytest.param(2, i, marks=pytest.mark.slow) for i in range(1, 41, 2)),
     ],
 )
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", ["analytic", pytest.param("fe", marks=pytest.mark.thorough)])
 def test_the_locus_of_the_first_graze_is_that_of_the_closed_form(solver: str, seed: int, index: int) -> None:
     found, omega, exact = locus(joint(seed, index), solver)
     first = np.flatnonzero(found.bifurcation_first.values & (found.bifurcation_after.values != "ends"))  # others spring

@@ -89,7 +89,9 @@ def test_frequencies_of_all_nine_states_interlace_the_free_ones(solver: AnySolve
         assert np.all(omega <= free[len(state.closed) : 10 + len(state.closed)] * (1 + rounding))
 
 
-@pytest.mark.parametrize("solver", [analytic.Solver(), fe_lapjoint.Solver(elements=16)])
+@pytest.mark.parametrize(
+    "solver", [analytic.Solver(), pytest.param(fe_lapjoint.Solver(elements=16), marks=pytest.mark.thorough)]
+)
 def test_sixteen_stops_of_65536_states_run(solver: AnySolver) -> None:
     """States are made as they are met, so that their number is no limit."""
     places = np.linspace(0.3, 1.0, 8)

@@ -50,6 +50,7 @@ def check(found: Sequence[FloatArray]) -> None:
     assert times <= MOST_TIMES
 
 
+@pytest.mark.thorough
 def test_errors_of_a_few_peak_forces_hold() -> None:
     check([judged(ELEMENTS, i) for i in range(FEW)])
 

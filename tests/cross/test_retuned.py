@@ -53,7 +53,11 @@ def assert_the_same(one: PeriodMap, anew: PeriodMap, field: str) -> None:
 @pytest.mark.parametrize("field", [FREQUENCY, AMPLITUDE])
 @pytest.mark.parametrize(
     ("solver", "index"),
-    [pytest.param(solver, i, id=f"{name}-{i}") for name, (solver, count) in SOLVERS.items() for i in range(count)],
+    [
+        pytest.param(solver, i, id=f"{name}-{i}", marks=() if i < 4 else pytest.mark.thorough)
+        for name, (solver, count) in SOLVERS.items()
+        for i in range(count)
+    ],
 )
 def test_a_retuned_map_is_the_one_that_is_made_anew(solver: AnySolver, index: int, field: str) -> None:
     rng = np.random.default_rng((71, index))

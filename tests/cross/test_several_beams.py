@@ -78,6 +78,7 @@ def test_both_solvers_agree_on_many_systems_of_beams() -> None:
     assert verdicts.count("undecided") <= 0.3 * COUNT
 
 
+@pytest.mark.thorough
 def test_both_solvers_agree_on_the_first_contacts_of_the_lap_joint() -> None:
     def drawn(_: int, __: int) -> tuple[Problem, float]:
         return lap_joint(), 0.03

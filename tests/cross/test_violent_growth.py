@@ -19,7 +19,8 @@ SOLVERS = {"analytic": analytic.Solver(n_modes=60), "fe": fe_lapjoint.Solver(ele
 SQUARED = 355.0  # natural logarithm of the root of the largest double number
 
 
-@pytest.mark.parametrize("name", [pytest.param("analytic", marks=pytest.mark.thorough), "fe"])
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", SOLVERS)
 def test_the_growth_of_a_deviation_is_a_number_whatever_it_is(name: str) -> None:
     problem = Problem(
         beam=BEAM,
@@ -54,17 +55,21 @@ CHATTERING = Problem(
 """The inner stop has 2.9e9 EI / L^3.  Twenty decay times of free vibration, 2 m / C each, are 199 periods."""
 
 
-@pytest.mark.parametrize("sensitivity", [True, False])
 @pytest.mark.parametrize(
-    ("name", "solver"),
+    ("solver", "sensitivity"),
     [
-        pytest.param("fewer", fe_lapjoint.Solver(elements=12), marks=pytest.mark.thorough),
-        pytest.param("fewer", analytic.Solver(n_modes=80), marks=pytest.mark.thorough),
-        pytest.param("all", fe_lapjoint.Solver(), marks=pytest.mark.slow),
-        pytest.param("all", analytic.Solver(), marks=pytest.mark.slow),
+        pytest.param(fe_lapjoint.Solver(elements=12), True, marks=pytest.mark.thorough),
+        pytest.param(analytic.Solver(n_modes=80), False, marks=pytest.mark.thorough),
+        pytest.param(fe_lapjoint.Solver(elements=12), False, marks=pytest.mark.slow),
+        pytest.param(analytic.Solver(n_modes=80), True, marks=pytest.mark.slow),
+        *(
+            pytest.param(solver, sensitivity, marks=pytest.mark.slow)
+            for solver in (fe_lapjoint.Solver(), analytic.Solver())
+            for sensitivity in (True, False)
+        ),
     ],
 )
-def test_the_search_for_a_steady_state_that_rounding_decides_ends(name: str, solver: Any, sensitivity: bool) -> None:
+def test_the_search_for_a_steady_state_that_rounding_decides_ends(solver: Any, sensitivity: bool) -> None:
     """In each period a deviation grows by more than rounding can be told from: some 300 periods tell that."""
     found = solver.steady_state(CHATTERING, sensitivity=sensitivity)
     assert found.outcome is Outcome.APERIODIC

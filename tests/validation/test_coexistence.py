@@ -45,6 +45,7 @@ def test_motions_side_by_side_are_told(two: tuple[Motion, Motion]) -> None:
     assert FE.name in sentence
 
 
+@pytest.mark.thorough
 def test_a_motion_that_is_handed_over_is_kept(two: tuple[Motion, Motion]) -> None:
     for motion in two:
         for solver in (ANALYTIC, FE):

@@ -52,7 +52,7 @@ def simulated(problem: Problem, periods: float, elements: int = 12) -> History:
 
 
 @pytest.mark.parametrize("phase", [0.0, *(pytest.param(it, marks=pytest.mark.thorough) for it in (1.0, 2.0, 4.0))])
-@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, 2.0])
+@pytest.mark.parametrize("ratio", [0.0, 0.02, 0.1, pytest.param(2.0, marks=pytest.mark.thorough)])
 def test_rounding_makes_no_contact_on_a_gap_of_zero(phase: float, ratio: float) -> None:
     for stops in ((tip(0.0),), (tip(0.0), tip(0.0, "bottom"))):
         contacts = simulated(shaken(*stops, phase=phase, damping=ModalDamping(ratio=ratio)), 4).contacts

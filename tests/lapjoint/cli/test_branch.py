@@ -60,6 +60,7 @@ def test_branches_in_two_numbers_print_their_loci_and_plot_draws_them() -> None:
     assert "first grazing of tip" in drawn
 
 
+@pytest.mark.thorough
 def test_how_likely_an_unknown_branch_is_is_said_and_kept(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(*QUIET).stdout.splitlines()[-1].startswith("no random starts were made")
     assert "starts_stable" not in read_branches("b.nc")

@@ -198,7 +198,7 @@ def test_a_bifurcation_between_the_points_of_a_sweep_overturns_an_overturned_win
     assert rule_of(key).judge({**found, f"analytic {what}": 1}) is Ruling.UNDECIDABLE
 
 
-@pytest.mark.parametrize("solver", ["analytic", "fe"])
+@pytest.mark.parametrize("solver", ["analytic", pytest.param("fe", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("first", [1398.0, 2060.0, 2160.0])
 def test_one_branch_leads_through_each_window_of_the_paper_without_a_bifurcation(solver: str, first: float) -> None:
     assert window(solver, first, first + 1.0) == Window(changes=0, broken=0)

@@ -10,7 +10,7 @@ from galerkin_arcs import GalerkinResolution, before_first_graze, towards_graze
 from lapjoint.orbits.branches.bifurcations import Bifurcation
 from lapjoint.orbits.branches.tracing import Limits, one_way
 
-SEED, FEW, MANY = 48, 6, 60
+SEED, FEW, MANY = 48, 2, 60
 ALIKE = 1e-6
 """Distance of the parameter over its value up to which two bifurcations are one."""
 SHARE = 0.9
