@@ -45,7 +45,7 @@ def cut(name: str, seed: int) -> tuple[Any, SectionPoint, ContactSequence, Float
     return period_map, point, sequence, np.diff([0.0, *segments.end[at], period_map.period])
 
 
-@BOTH
+@pytest.mark.parametrize("name", ["fe", pytest.param("analytic", marks=pytest.mark.thorough)])
 @SOME
 def test_arcs_go_where_the_march_goes_and_have_its_derivative(seeds: range, name: str) -> None:
     forces = 0

@@ -28,7 +28,7 @@ SETTLING: dict[str, Any] = {  # with fewer modes, arcs and marches differ by wha
 }
 SEED = 271
 SAME_IMPULSES = 1e-6  # of the largest: one motion by the equations of the branch and by the search
-LAWS = pytest.mark.parametrize("may_pull", [False, True])
+LAWS = pytest.mark.parametrize("may_pull", [False, pytest.param(True, marks=pytest.mark.thorough)])
 
 
 def preloaded(may_pull: bool) -> Problem:

@@ -53,7 +53,7 @@ def contacts(history: History, length: float, mass: float, time: float) -> np.nd
 
 
 @solvers
-@pytest.mark.parametrize("viscous", [False, True])
+@pytest.mark.parametrize("viscous", [False, pytest.param(True, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("name", SCALES)
 def test_a_motion_in_other_units(name: str, viscous: bool, solver: AnySolver) -> None:
     scales = SCALES[name]

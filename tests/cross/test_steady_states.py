@@ -25,7 +25,7 @@ thorough = pytest.mark.thorough
     [
         (analytic.Solver(n_modes=14), 515.0, 80),  # the largest multiplier is about 0.6: 0.6^80 is 1e-18
         (analytic.Solver(n_modes=14), 2000.0, 200),  # 0.88^200 is 1e-11
-        (fe_lapjoint.Solver(elements=8), 515.0, 80),
+        pytest.param(fe_lapjoint.Solver(elements=8), 515.0, 80, marks=thorough),
     ],
 )
 def test_newtons_orbit_is_where_the_march_ends(solver: AnySolver, omega: float, periods: int) -> None:

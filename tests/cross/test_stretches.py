@@ -72,7 +72,11 @@ def stretches(solver: AnySolver, name: str) -> tuple[list[History], float]:
 
 @pytest.mark.parametrize(
     ("solver", "name"),
-    [*((ANALYTIC, name) for name in EXCITATIONS), *((ELEMENTS, name) for name in ("record", "periodic", "left alone"))],
+    [
+        *((ANALYTIC, name) for name in EXCITATIONS),
+        (ELEMENTS, "left alone"),
+        *(pytest.param(ELEMENTS, name, marks=pytest.mark.thorough) for name in ("record", "periodic")),
+    ],
 )
 def test_stretches_come_to_the_motion_as_a_whole(solver: AnySolver, name: str) -> None:
     parts, end = stretches(solver, name)

@@ -133,6 +133,7 @@ def check(seed: int, monkeypatch: pytest.MonkeyPatch, stiffest: float = 8.0) -> 
     return "solved"
 
 
+@pytest.mark.thorough
 def test_random_extremes(monkeypatch: pytest.MonkeyPatch) -> None:
     outcomes = Counter(check(seed, monkeypatch) for seed in range(30))
     assert set(outcomes) <= {"solved", "refused"}
