@@ -33,6 +33,9 @@ from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop
 
+_LITTLE = 0.5
+"""Product of a rate and a time below which exp less 1 loses more than a binary digit."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Coupled(System):
@@ -168,11 +171,20 @@ class Coupled(System):
         z, rate = (self.places @ coordinates(t, d) + self._seen_at_places(t, d) for d in (dt, dt + 1))
         return np.asarray((z + self.delay[:, None] * rate)[self.place_of])
 
+    @cached_property
+    def _real_parts(self) -> tuple[FloatArray, FloatArray]:
+        """Amplitudes of the free terms for units of (q, q'), ``(2 T, 2 n)``, and (q, q') for units of the amplitudes,
+        ``(2 n, 2 T)``, real parts before imaginary ones: half the work of products of complex matrices."""
+        back, motion = self.free.back, self.motion[:, : self.free.rates.size]
+        return np.concatenate([back.real, back.imag]), np.concatenate([motion.real, -motion.imag], axis=1)
+
     def flown(self, s: float, deviations: FloatArray) -> FloatArray:
         """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later."""
-        n = self.omega.size
-        waves = np.exp(self.free.rates * s)[:, None] * (self.free.back @ deviations)
-        result = (self.motion[:, : waves.shape[0]] @ waves).real
+        n, waves = self.omega.size, np.exp(self.free.rates * s)
+        back, motion = self._real_parts
+        real, imaginary = np.split(back @ deviations, 2)
+        re, im = waves.real[:, None], waves.imag[:, None]
+        result = motion @ np.concatenate([re * real - im * imaginary, re * imaginary + im * real])
         if self.free.rest is not None:
             place, speed = self.free.rest @ deviations
             result[:n] += place + speed * s
@@ -287,12 +299,8 @@ class CoupledFlow(Flow):
         one, other = self.terms[it.force_place[k]].copy(), self.terms[it.row_places[k]] * rates
         one[-1] -= sign * gap  # the last term is constant
 
-        def integral(sums: ComplexArray) -> ComplexArray:
-            still = sums == 0
-            return np.where(still, T, np.expm1(sums * T) / np.where(still, 1.0, sums))
-
-        both = one @ integral(rates[:, None] + rates) @ other
-        crossed = one @ integral(rates[:, None] + rates.conj()) @ other.conj()
+        both = one @ _integrals_of_products(rates, rates, T) @ other
+        crossed = one @ _integrals_of_products(rates, rates.conj(), T) @ other.conj()
         return float(both.real + crossed.real) / 2
 
     @cached_property
@@ -310,6 +318,20 @@ class CoupledFlow(Flow):
             np.concatenate([slope, fall]),
             np.concatenate([slope * it.moduli, bend]),
         )
+
+
+def _integrals_of_products(one: ComplexArray, other: ComplexArray, T: float) -> ComplexArray:
+    """The integrals over `T` seconds of exp((r + p) s), for rates r of `one`, ``(m,)``, and p of `other`, ``(l,)``;
+    gives ``(m, l)``, s.
+
+    A product of waves less 1 loses digits where their sum turns or falls by little; there it is computed by `expm1`.
+    """
+    sums, found = np.add.outer(one, other), np.outer(np.exp(one * T), np.exp(other * T)) - 1.0
+    little = np.nonzero(np.maximum(np.abs(sums.real), np.abs(sums.imag)) * T < _LITTLE)
+    found[little] = np.expm1(sums[little] * T)
+    still = sums == 0
+    sums[still], found[still] = 1.0, T
+    return np.asarray(found / sums)
 
 
 def _powers_of(s: FloatArray, dt: int) -> FloatArray:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 import scipy.linalg
 from damped_stops import model_of, pinned_bar
+from mpmath import mp
 from random_joints import damped_cantilever
 
-from fe_lapjoint.march.coupled import Coupled, flow_from
+from fe_lapjoint.march.coupled import Coupled, _integrals_of_products, flow_from
 from fe_lapjoint.march.exponentials import exponentials
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
@@ -96,3 +99,16 @@ def test_flow_of_a_rigid_body_beside_a_damped_stop() -> None:
         if not state.released:
             reads = reads + 0.05 * flow.at_stops(inside, 1)
             assert flow.integral_at_stops(t)[0] == pytest.approx(float(reads[0] @ weights) * t / 2, rel=1e-6)
+
+
+def test_integrals_of_products_keep_their_digits_however_slow_the_sums() -> None:
+    rng = np.random.default_rng(48)
+    size, T = 10.0 ** rng.uniform(-12, 3, 12), 0.7
+    rates = np.concatenate([-size * np.exp(1j * rng.uniform(-1.5, 1.5, 12)), [0.0, 3j, -3j, 300j, -300j]])
+    found = _integrals_of_products(rates, rates.conj(), T)
+    with mp.workdps(60):
+        for (i, one), (j, other) in product(enumerate(rates), enumerate(rates.conj())):
+            z = (mp.mpmathify(one) + mp.mpmathify(other)) * T
+            exact = complex(T * (mp.expm1(z) / z if z else 1))
+            lost = 1 + abs(one) * T + abs(other) * T  # digits of the angles, which the waves cannot keep
+            assert abs(found[i, j] - exact) <= 4e-16 * lost * T * min(1.0, 2 / max(abs(z), 1e-300)), (i, j)
