@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.campaigns.grid import Axis, Grid
+from lapjoint.campaigns.grid import Axis
 from lapjoint.campaigns.job import Spec
 from lapjoint.campaigns.point import OUTCOME_CODES
 from lapjoint.errors import InputError
@@ -113,14 +113,14 @@ def axis_coordinate(axis: Axis, text: str | None = None) -> Variable:
     return (axis.name,), np.array(axis.values), attributes
 
 
-def sample_coordinates(grid: Grid) -> dict[str, Variable]:
+def sample_coordinates(problem: Problem, samples: Samples | None) -> dict[str, Variable]:
     """The numbers of the samples, the drawn value of each uncertain number, and the set and matrix of each sample; none
     without samples."""
-    samples, here = grid.samples, (SAMPLE,)
+    here = (SAMPLE,)
     if samples is None:
         return {}
     found = {SAMPLE: Column(SAMPLE, "i4", "1", "number of the sample").of(here, range(samples.size))}
-    for i, one in enumerate(grid.problem.uncertain):
+    for i, one in enumerate(problem.uncertain):
         units = "1" if one.apply == "factor" else Axis(one.paths[0], (0.0,)).units
         text = f"{'factor on' if one.apply == 'factor' else 'value of'} {', '.join(one.paths)}"
         column = Column(DRAWN + one.name, "f8", units, text, {"distribution": one.kind})

@@ -23,7 +23,7 @@ from lapjoint.campaigns.sweep.job import SweepJob
 from lapjoint.campaigns.sweep.spec import Plan, Start
 from lapjoint.problem import Problem
 from lapjoint.problem.plane import Plane
-from lapjoint.sampling.design import Kind, samples_of
+from lapjoint.sampling.design import Kind, Samples, samples_of
 from lapjoint.solver import Solver, named
 
 if TYPE_CHECKING:
@@ -97,10 +97,14 @@ def sweep(
     xarray.Dataset
         The dataset; `lapjoint.campaigns.sweep.table` says how contacts are stored.
     """
-    drawn = None if samples is None else samples_of(problem, samples, design, sample_seed)
-    grid = Grid(problem, tuple(axes), drawn)
+    grid = Grid(problem, tuple(axes), _drawn(problem, samples, design, sample_seed))
     plan = Plan(grid, *named(solver, options), start, starts, seed, sensitivity, errors, tuple(summary), strobe, at)
     return run_job(SweepJob(plan), **running)
+
+
+def _drawn(problem: Problem, samples: int | None, design: Kind, seed: int) -> Samples | None:
+    """The samples of the uncertain numbers of a problem; None if none were asked for."""
+    return None if samples is None else samples_of(problem, samples, design, seed)
 
 
 def basins(
@@ -295,6 +299,9 @@ def statistics(
     quantities: Sequence[str] | None = None,
     settle: float | None = None,
     rate: float | None = None,
+    samples: int | None = None,
+    design: Kind = "sobol",
+    sample_seed: int = 0,
     **running: Unpack[Running],
 ) -> xr.Dataset:
     """Peaks, root mean squares, contacts and their distributions of a long motion, or of several realisations of one.
@@ -319,21 +326,25 @@ def statistics(
     settle : float, optional
         The start that is left out, s; by default seven decay times of the slowest mode.
     rate : float, optional
-        Samples a second, Hz; by default sixteen in a period of the slowest mode.
+        Samples of a motion in a second, Hz; by default sixteen in a period of the slowest mode.
+    samples, design, sample_seed : int, str, int, optional
+        Samples of the problem's uncertain numbers, as `sweep` draws them; each has `seeds` realisations of its own.
     **running : Running
         Workers, file and progress, and the errors that are raised: see `Running`.
 
     Returns
     -------
     xarray.Dataset
-        Values and their 95 % intervals; `lapjoint.summaries.table` lists the variables.
+        Values and their 95 % intervals; `lapjoint.summaries.table` lists the variables, and
+        `lapjoint.campaigns.statistics.sampled` what files with samples have.
 
     Raises
     ------
     SolverError
-        If no realisation came to its end.
+        If no realisation came to its end, or with samples no sample has all its realisations.
     """
     places = None if at is None else tuple(float(x) for x in at)
     what = None if quantities is None else tuple(quantities)
-    spec = Realisations(problem, lasting(problem, duration), seeds, *named(solver, options), places, what, settle, rate)
+    drawn, lasts = _drawn(problem, samples, design, sample_seed), lasting(problem, duration)
+    spec = Realisations(problem, lasts, seeds, *named(solver, options), places, what, settle, rate, drawn)
     return run_job(StatisticsJob(spec), **running)

@@ -71,6 +71,7 @@ def plot(
     from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.cli import arguments
     from lapjoint.figures import in_hertz, plot_basins, plot_branches, plot_loci, save
+    from lapjoint.figures.sweep_axes import refuse_samples
 
     for path in files:
         if not Path(path).name:
@@ -80,6 +81,8 @@ def plot(
     arguments.check_file("--out", path, *FIGURES)
     nouns = (SWEEP, BranchSpec.noun, BasinPlan.noun, Realisations.noun)
     datasets = {name: read_result(file, *nouns) for name, file in zip(_names(files), files, strict=True)}
+    for file, dataset in zip(files, datasets.values(), strict=True):
+        refuse_samples(dataset, file)
     if hz:
         datasets = {name: in_hertz(dataset) for name, dataset in datasets.items()}
     kinds = {name: dataset.attrs.get("result_of", SWEEP) for name, dataset in datasets.items()}

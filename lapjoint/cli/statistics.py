@@ -5,7 +5,16 @@ from __future__ import annotations
 import click
 
 from lapjoint.cli.completing import FILE
-from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_options, solver_options
+from lapjoint.cli.options import (
+    Sampling,
+    SolverChoice,
+    Work,
+    campaign_options,
+    problem_options,
+    sample_options,
+    solver_options,
+)
+from lapjoint.errors import InputError
 
 
 @click.command()
@@ -27,6 +36,7 @@ from lapjoint.cli.options import SolverChoice, Work, campaign_options, problem_o
     help="Length of the start that is left out, s.  [default: 7 decay times of the slowest mode]",
 )
 @click.option("--rate", type=float, metavar="HZ", help="Samples a second.  [default: 16 in the slowest mode's period]")
+@sample_options
 @click.option("--json", "json_path", metavar="FILE", type=FILE, help="Also write the statistics to FILE as JSON.")
 @campaign_options(out_required=False)
 def statistics(
@@ -39,10 +49,13 @@ def statistics(
     settle: float | None,
     rate: float | None,
     json_path: str | None,
+    sampling: Sampling,
     solver: SolverChoice,
     work: Work,
 ) -> None:
     """Summarise long motions of PROBLEM: peaks, RMS, contacts and their distributions, with 95 % intervals.
+
+    With --samples, all is done for each sample of the uncertain numbers; `lapjoint uncertainty` reads the file.
 
     If a command with --out is interrupted, run it again: it resumes.
     """
@@ -54,6 +67,8 @@ def statistics(
     arguments.check_file("--out", work.out, ".nc")
     arguments.check_file("--json", json_path)
     arguments.check_duration(duration)
+    if sampling.samples is not None and work.out is None:
+        raise InputError("--out: is missing; with --samples the answer is a file, which `lapjoint uncertainty` reads")
     this = arguments.problem_from(problem, overrides)
     plan = Realisations(
         this,
@@ -65,9 +80,13 @@ def statistics(
         None if quantity is None else arguments.names_from(quantity),
         settle,
         rate,
+        sampling.of(this),
     )
     found = found_or_stored(StatisticsJob(plan), "statistics", "these statistics", work)
-    statistics_printing.print_statistics(found, this)
+    if sampling.samples is None:
+        statistics_printing.print_statistics(found, this)
+    else:
+        statistics_printing.print_samples(found)
     if json_path:
         printing.write_json(json_path, statistics_printing.statistics_summary(found))
     click.get_current_context().exit(1 if found.attrs["failed"] else 0)

@@ -38,6 +38,22 @@ def print_statistics(found: xr.Dataset, problem: Problem) -> None:
             _print_places(block)
         else:
             _print_stops(block, names)
+    _print_notes(of)
+
+
+def print_samples(found: xr.Dataset) -> None:
+    """Print the settings of statistics with samples."""
+    of = found.attrs
+    echo(plain(of["title"]))
+    seeds = int(of["seeds"])
+    each = f", each of {seeds} realisations" if seeds > 1 else ""
+    echo(f"{of['solver_name']}: {found.sizes['sample']} samples{each} of {of['duration']:g} s")
+    echo(f"The first {found.settle.min():.4g} to {found.settle.max():.4g} s of each are left out")
+    _print_notes(of)
+
+
+def _print_notes(of: dict[str, Any]) -> None:
+    """Print remarks, and messages of realisations that did not come to their end."""
     for line in [*filter(None, of["remarks"].split("\n"))]:
         echo(fill(f"Note: {line}", COLUMNS))
     messages = [*filter(None, of["messages"].split("\n"))]
@@ -57,8 +73,8 @@ def statistics_summary(found: xr.Dataset) -> dict[str, Any]:
             variables[str(name)] = entry
     return {
         **{str(name): value.item() if hasattr(value, "item") else value for name, value in found.attrs.items()},
-        "x_m": found.x.values.tolist(),
-        "asked": found.asked.values.astype(bool).tolist(),
+        **({"x_m": found.x.values.tolist()} if "x" in found.dims else {}),
+        **({"asked": found.asked.values.astype(bool).tolist()} if "asked" in found else {}),
         "stops": found.stop_name.values.tolist(),
         "variables": variables,
     }

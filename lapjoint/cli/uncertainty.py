@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.util import find_spec
+from textwrap import fill
 
 import click
 
@@ -24,9 +25,15 @@ from lapjoint.cli.options import FIGURES
 @click.option(
     "--variable",
     metavar="NAME,NAME,..",
-    help="Variables, e.g. impulse,stress_peak.  [default: those with a limit, or all in the file]",
+    help="Variables, e.g. impulse,stress_peak.  [default: those with a limit; else all of a sweep, or "
+    "peaks, contacts and damage of statistics]",
 )
-@click.option("--figure", metavar="FILE", type=FILE, help="Draw the bands of the first variable: .png, .svg or .pdf.")
+@click.option(
+    "--figure",
+    metavar="FILE",
+    type=FILE,
+    help="Draw the bands of the first variable, or its distribution if nothing is swept: .png, .svg or .pdf.",
+)
 @click.option(
     "--ranking", metavar="FILE", type=FILE, help="Draw its sensitivity indices, the largest first: .png, .svg or .pdf."
 )
@@ -39,12 +46,13 @@ def uncertainty(
     ranking: str | None,
     json_path: str | None,
 ) -> None:
-    """Show what the samples in FILE, of `lapjoint sweep --samples`, say.
+    """Show what the samples in FILE, of `lapjoint sweep --samples` or `statistics --samples`, say.
 
     It prints bands (5, 50, 95 %), probabilities of exceeding limits, and sensitivity indices, with 95 % intervals for
-    the number of samples; what numerical errors change stands beside them.
+    the number of samples; what the errors of the samples themselves change stands beside them.
     """
     from lapjoint.campaigns.dataset import read_result
+    from lapjoint.campaigns.statistics.spec import Realisations
     from lapjoint.campaigns.sweep.spec import Plan
     from lapjoint.cli import arguments, printing, uncertainty_printing
     from lapjoint.figures.style import save
@@ -56,9 +64,9 @@ def uncertainty(
     arguments.check_file("--ranking", ranking, *FIGURES)
     arguments.check_file("--json", json_path)
     bounds = dict(arguments.named_number("--limit", text, "NAME=VALUE, as in stress=120e6") for text in limits)
-    dataset = read_result(file, Plan.noun)
+    dataset = read_result(file, Plan.noun, Realisations.noun)
     of = Sampled(dataset)
-    names = None if variable is None else arguments.names_from(variable)
+    names = arguments.names_from(variable) if variable is not None else None if bounds else of.usual
     found = bands(dataset, bounds, names)
     chosen = tuple(str(name).removesuffix("_quantile") for name in found if str(name).endswith("_quantile"))
     chosen = tuple(name for name in chosen if name in of.variables)
@@ -68,6 +76,9 @@ def uncertainty(
     else:
         indices = sensitivities(dataset, chosen)
     uncertainty_printing.print_uncertainty(of, found, indices, chosen)
+    others = [name for name in of.variables if name not in chosen]
+    if others and variable is None:
+        echo("\n" + fill(f"--variable shows others: {', '.join(others)}", printing.COLUMNS))
     if figure:
         save(plot_bands(dataset, chosen[0], limits=bounds), figure)
         echo(f"Wrote {figure}")

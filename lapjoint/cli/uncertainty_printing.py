@@ -39,7 +39,8 @@ def print_uncertainty(of: Sampled, found: xr.Dataset, indices: xr.Dataset, names
         whole = LARGEST + name if of.swept else name
         over = ", largest over all swept points" if of.swept else ""
         echo(f"\n{name} [{written(str(found[f'{name}_quantile'].units))}]{over}")
-        echo(f"{'':<{_FIRST}}{'':>11}{'95 % by sampling':>22}{'numerical range':>21}")
+        own = "numerical range" if "outcome" in of.dataset else "range by intervals"
+        echo(f"{'':<{_FIRST}}{'':>11}{'95 % by sampling':>22}{own:>21}")
         for place, at in _places(found, whole):
             for i, p in enumerate(found.probability.values):
                 label = f"{place} {100 * p:g} %".strip()

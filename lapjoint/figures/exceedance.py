@@ -10,6 +10,7 @@ import numpy as np
 from lapjoint.errors import InputError
 from lapjoint.figures.limits import DASHES, limit_text
 from lapjoint.figures.style import COLOURS, STYLES, entitle, new_axes, style
+from lapjoint.figures.sweep_axes import refuse_samples
 from lapjoint.figures.text import legend_label
 from lapjoint.summaries.sums import OF_CONTACTS
 
@@ -54,6 +55,7 @@ def plot_exceedance(
     """
     if quantity not in OF_CONTACTS:
         raise InputError(f"quantity = {quantity!r}: allowed are {', '.join(OF_CONTACTS)}")
+    refuse_samples(dataset)
     if not int(dataset[f"{quantity}_count"].sum()):
         raise InputError(f"quantity = {quantity!r}: nothing was touched, so there is nothing to draw")
     axes = new_axes() if axes is None else axes

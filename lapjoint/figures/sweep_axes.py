@@ -54,11 +54,16 @@ def _hertz(variable: xr.Variable) -> tuple[tuple[Hashable, ...], FloatArray, dic
     return variable.dims, variable.values / (2 * math.pi), attrs
 
 
+def refuse_samples(dataset: xr.Dataset, file: str = "FILE") -> None:
+    """InputError if a dataset has samples, which are no curves; `file` is its file."""
+    if "sample" in dataset.dims:
+        raise InputError(f"{file}: has samples of uncertain numbers; `lapjoint uncertainty {file} --figure` draws them")
+
+
 def in_order(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with ascending values of the first two swept fields, and only the first value of further fields;
     InputError if it has samples."""
-    if "sample" in dataset.outcome.dims:
-        raise InputError("the file has samples of uncertain numbers; `lapjoint uncertainty` draws their bands")
+    refuse_samples(dataset)
     names = [name for name in dataset.outcome.dims if name != "start"]
     return dataset.sortby(names).isel(dict.fromkeys(names[2:], 0))
 

@@ -1,33 +1,40 @@
-"""Figures of samples: bands over a swept field, and the uncertain numbers in the order in which they matter."""
+"""Figures of samples: bands over a swept field, the share of samples beyond a value where nothing is swept, and the
+uncertain numbers in the order in which they matter."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lapjoint.errors import InputError
-from lapjoint.figures.limits import draw_limits
-from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, PAGE_WIDTH, entitle, new_panels, style
+from lapjoint.figures.limits import DASHES, draw_limits, limit_text
+from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, PAGE_WIDTH, STYLES, entitle, new_panels, style
 from lapjoint.figures.sweep_axes import axis_label
-from lapjoint.figures.sweep_variables import curves, exponent_of, ordinate
+from lapjoint.figures.sweep_variables import curves, exponent_of, ordinate, unit_of
 from lapjoint.figures.text import legend_label, literal
 from lapjoint.sampling.bands import PROBABILITIES, Sampled, bands
+from lapjoint.sampling.intervals import share_interval
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+_DRAWN = 100
+"""Largest number of values at which the share of samples that exceed them is drawn: a point on each per cent."""
 
 
 @style()
 def plot_bands(dataset: xr.Dataset, variable: str, *, limits: Mapping[str, float] | None = None) -> tuple[Axes, ...]:
     """Draw the band of a variable over the first swept field, a panel for each stop, with limits as lines.
 
+    If nothing is swept, as in statistics, the share of samples that exceed a value is drawn over the value.
+
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of a sweep with samples and at least one axis; further axes are shown at their first value.
+        Dataset of a sweep, or of statistics, with samples; axes after the first are shown at their first value.
     variable : str
         The variable, as ``stress_peak``.
     limits : mapping, optional
@@ -37,16 +44,17 @@ def plot_bands(dataset: xr.Dataset, variable: str, *, limits: Mapping[str, float
     -------
     tuple of matplotlib.axes.Axes
         The panels.  Each shows the median and the band from 5 to 95 %; thin lines bound the 95 % intervals of the
-        edges of the band.
+        edges of the band.  If nothing is swept, one panel has a line for each stop or place, within the 95 % interval
+        of the share.
 
     Raises
     ------
     InputError
-        If the file has no samples, no axis, or no such variable.
+        If the file has no samples, or no such variable.
     """
     of = Sampled(dataset)
     if not of.swept:
-        raise InputError("the file has no axis over which bands could be drawn; sweep --from and --to, or --over")
+        return (_shares_beyond(of, of.variable(variable), limits or {}),)
     first, *others = of.swept
     found = bands(dataset, None, [variable]).isel(dict.fromkeys(others, 0)).sortby(first)
     name = of.variable(variable)
@@ -73,6 +81,40 @@ def plot_bands(dataset: xr.Dataset, variable: str, *, limits: Mapping[str, float
             entitle(axes, ordinate(dataset, name) if label else "")
     panels[-1].set_xlabel(axis_label(dataset, first))
     return panels
+
+
+def _shares_beyond(of: Sampled, name: str, limits: Mapping[str, float]) -> Axes:
+    """Draw the share of samples that exceed a value, a line for each stop or place, and the limits of the variable."""
+    dataset, sets = of.dataset, of.dataset.sample_set.values[of.independent]
+    exponent = exponent_of(name, dataset)
+    values = of.magnitudes(name)[of.independent] / 10.0**exponent
+    lines = [("", values)]
+    if values.ndim > 1:
+        dim = str(values.dims[1])
+        names = dataset.stop_name.values if dim == "stop" else [f"x = {x:.4g} m" for x in dataset[dim].values]
+        lines = [(str(label), values.isel({dim: i})) for i, label in enumerate(names)]
+    (axes,) = new_panels(1, 1, COLUMN_WIDTH, 2.7)
+    for i, (label, own) in enumerate(lines):
+        at = np.unique(own.values[~np.isnan(own.values)])
+        if not at.size:
+            continue
+        at = np.append(0.0, at[np.unique(np.linspace(0, at.size - 1, _DRAWN).astype(int))])
+        beyond = np.where(np.isnan(own.values), np.nan, own.values > at[:, None])
+        ends = np.array([share_interval(row, sets) for row in beyond])
+        colour, pattern = COLOURS[i % len(COLOURS)], STYLES[i % len(STYLES)]
+        look: dict[str, Any] = {"color": colour, "linestyle": pattern, "drawstyle": "steps-post"}
+        axes.plot(at, np.nanmean(beyond, axis=1), label=legend_label(label), **look)
+        axes.fill_between(at, ends[:, 0], ends[:, 1], step="post", color=colour, alpha=0.2, linewidth=0)
+    for one, bound in limits.items():
+        if of.variable(one) == name:
+            text = limit_text(dataset, name, bound, exponent)
+            axes.axvline(bound / 10.0**exponent, color="black", linestyle=DASHES, linewidth=0.7, label=text)
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_xlabel(literal(f"{name.replace('_', ' ')} [{unit_of(dataset, name, exponent)}]".removesuffix(" [1]")))
+    axes.set_ylabel("share of samples that exceed it")
+    entitle(axes)
+    return axes
 
 
 @style()

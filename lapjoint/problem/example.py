@@ -134,7 +134,7 @@ phase = 0.0                   # rad
 # to = 1.0                    # m; the tip, if not given
 # force_per_length = -200.0   # N/m, positive upwards
 
-# [[uncertain]]               # random variables of which `lapjoint sweep --samples 256` draws values; any number
+# [[uncertain]]               # random variables of which `--samples 256` draws values; any number
 # name = "gap"                # a word of letters, digits and _
 # paths = ["stops.*.gap"]     # the fields that it moves, together
 # apply = "value"             # or "factor": on the number of each field

@@ -173,6 +173,13 @@ class Line:
         L = self.beams[self.names.index(found[0])].length
         return None if found[1] <= L else (text, f"lies outside the beam; allowed are 0 to {L:g} m")
 
+    def exact_place(self, x: float) -> float | str:
+        """A position on the line, m, as a place that stays on its beam if lengths change: one that `at` takes."""
+        if not self.several:
+            return x
+        i = self.beam_at(x)
+        return f"{self.names[i]}:{min(x - self.starts[i], self.beams[i].length)!r}"
+
     def place(self, x: float, digits: int = 6) -> str:
         """A position as a person writes it.
 

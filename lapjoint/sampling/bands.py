@@ -1,7 +1,8 @@
 """What the samples of a file show: bands, and probabilities of exceeding limits, with their sampling errors.
 
-Each value of a sample has a numerical error of its own, if the file has it.  A band or a probability then is computed
-twice more, with all values at the lower and at the upper ends of their errors; that shows what numerical errors change.
+Each value of a sample has an error of its own, if the file has it: a numerical error, or the interval of statistics.
+A band or a probability then is computed twice more, with all values at the lower and at the upper ends of their errors;
+that shows what these errors change.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from lapjoint.problem import FloatArray
 from lapjoint.problem.schema import IntArray
 from lapjoint.sampling.design import DRAWN, SAMPLE
 from lapjoint.sampling.intervals import quantile, quantile_interval, share_interval
+from lapjoint.summaries.table import interval_ends
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +39,7 @@ class Sampled:
 
     def __post_init__(self) -> None:
         if SAMPLE not in self.dataset.dims:
-            raise InputError("the file has no samples; `--samples` of a sweep draws some")
+            raise InputError("the file has no samples; `--samples` of a sweep, or of statistics, draws some")
         if "start" in self.dataset.dims:
             raise InputError("the file has several starts at each point, and bands are those of one motion at each")
 
@@ -64,6 +66,15 @@ class Sampled:
         found = [str(name) for name, values in self.dataset.data_vars.items() if self._is_value(str(name), values)]
         return tuple(found)
 
+    @property
+    def usual(self) -> tuple[str, ...]:
+        """Names of the variables that are shown if none is named: all of a sweep; of statistics, which have some forty,
+        peaks, contacts a second, and damage."""
+        if "outcome" in self.dataset:
+            return self.variables
+        rates = ("contact_rate", "damage_rate")
+        return tuple(name for name in self.variables if name.endswith("_peak") or name in rates)
+
     def _is_value(self, name: str, values: xr.DataArray) -> bool:
         aside = ("residual", "multiplier_real", "multiplier_imag", "exponent", "standard_error", "duration", "growth")
         ends = ("_error", "_x", "_interval")
@@ -75,24 +86,26 @@ class Sampled:
             if one in self.variables:
                 return one
         there = ", ".join(self.variables)
-        raise InputError(f"variable {name!r}: is not in this file, which has {there}; --summary of a sweep adds more")
+        more = "--summary of a sweep" if "outcome" in self.dataset else "--quantity of statistics"
+        raise InputError(f"variable {name!r}: is not in this file, which has {there}; {more} adds more")
 
     def magnitudes(self, name: str) -> xr.DataArray:
         """The magnitudes of a variable, the samples first."""
         return abs(self.dataset[name]).transpose(SAMPLE, ...)
 
     def ends(self, name: str) -> tuple[xr.DataArray, xr.DataArray] | None:
-        """The least and the largest magnitude that each value can have by its error: what the file states, or half of
-        the longer side of its interval; none stated is infinite.  None if the file has no errors of this variable."""
+        """The least and the largest magnitude that each value can have by its error, or by its interval, that the file
+        states; an unknown error is infinite.  None if the file has neither of this variable."""
         values = self.magnitudes(name)
         if f"{name}_error" in self.dataset:
-            errors = self.dataset[f"{name}_error"]
-        elif f"{name}_interval" in self.dataset:
-            errors = abs(self.dataset[f"{name}_interval"] - self.dataset[name]).max("bound")
-        else:
-            return None
-        errors = errors.transpose(*values.dims).fillna(np.inf)
-        return (values - errors).clip(0.0), values + errors
+            errors = self.dataset[f"{name}_error"].transpose(*values.dims).fillna(np.inf)
+            return (values - errors).clip(0.0), values + errors
+        if f"{name}_interval" in self.dataset:
+            both = self.dataset[f"{name}_interval"].transpose(*values.dims, "bound")
+            low, high = both.isel(bound=0).fillna(-np.inf), both.isel(bound=1).fillna(np.inf)
+            least, most = low.clip(0.0) - high.clip(max=0.0), abs(both).max("bound", skipna=False).fillna(np.inf)
+            return least.where(values.notnull()), most.where(values.notnull())
+        return None
 
     def largest(self, values: xr.DataArray) -> xr.DataArray:
         """The largest value of each sample over all swept points; NaN if one of them has no answer."""
@@ -107,7 +120,7 @@ def bands(
     Parameters
     ----------
     dataset : xarray.Dataset
-        Dataset of a sweep with samples.
+        Dataset of a sweep, or of statistics, with samples.
     limits : mapping, optional
         Limits of the magnitude of variables, in their SI units, by names as ``stress_peak``, or ``stress`` for short.
     variables : sequence of str, optional
@@ -118,8 +131,8 @@ def bands(
     xarray.Dataset
         For each variable ``*_quantile`` over ``probability``, and for each limit ``*_exceedance``: each with
         ``*_interval`` (95 %, sampling error alone) and, if the file has errors, ``*_numerical`` (the range within
-        which numerical errors can move it).  The same with ``largest_`` in front belongs to the largest value over all
-        swept points.
+        which numerical errors, or of statistics the intervals of the samples, can move it).  The same with
+        ``largest_`` in front belongs to the largest value over all swept points.
 
     Raises
     ------
@@ -134,13 +147,14 @@ def bands(
     found: dict[str, Any] = {}
     for name in dict.fromkeys([*names, *chosen]):
         values, ends = of.magnitudes(name), of.ends(name)
-        found |= _read_off(of, name, values, ends, chosen.get(name))
+        units = str(dataset[name].attrs.get("units", "1"))
+        found |= _read_off(of, name, units, values, ends, chosen.get(name))
         if of.swept:
             over = None if ends is None else (of.largest(ends[0]), of.largest(ends[1]))
-            found |= _read_off(of, LARGEST + name, of.largest(values), over, chosen.get(name))
+            found |= _read_off(of, LARGEST + name, units, of.largest(values), over, chosen.get(name))
     coordinates = {
         "probability": ("probability", list(PROBABILITIES), {"units": "1", "long_name": "probability below"}),
-        "bound": ("bound", np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
+        "bound": interval_ends(),
     }
     kept = {name: dataset[name] for name in (*of.swept, "stop", "stop_name", "x") if name in dataset.coords}
     attributes = {"title": str(dataset.attrs.get("title", "")), "samples": int(of.independent.size), **_counts(of)}
@@ -167,6 +181,7 @@ def _counts(of: Sampled) -> dict[str, int]:
 def _read_off(
     of: Sampled,
     name: str,
+    units: str,
     values: xr.DataArray,
     ends: tuple[xr.DataArray, xr.DataArray] | None,
     limit: float | None,
@@ -175,23 +190,22 @@ def _read_off(
     here, sets = tuple(str(one) for one in values.dims[1:]), of.dataset.sample_set.values[of.independent]
     middle = values.values[of.independent]
     outer = [] if ends is None else [end.values[of.independent] for end in ends]
-    units = {"units": str(of.dataset[name.removeprefix(LARGEST)].attrs.get("units", "1"))}
     dims = ("probability", *here)
 
     def with_bounds(each: list[FloatArray]) -> FloatArray:
         return np.stack(each, axis=-1)
 
     found: dict[str, Any] = {
-        f"{name}_quantile": (dims, np.stack([_quantiles(middle, p) for p in PROBABILITIES]), units)
+        f"{name}_quantile": (dims, np.stack([_quantiles(middle, p) for p in PROBABILITIES]), {"units": units})
     }
     intervals = [np.apply_along_axis(quantile_interval, 0, middle, sets, p) for p in PROBABILITIES]
-    found[f"{name}_quantile_interval"] = (*dims, "bound"), np.moveaxis(np.stack(intervals), 1, -1), units
+    found[f"{name}_quantile_interval"] = (*dims, "bound"), np.moveaxis(np.stack(intervals), 1, -1), {"units": units}
     if outer:
         moved = np.stack([with_bounds([_quantiles(end, p) for end in outer]) for p in PROBABILITIES])
-        found[f"{name}_quantile_numerical"] = (*dims, "bound"), moved, units
+        found[f"{name}_quantile_numerical"] = (*dims, "bound"), moved, {"units": units}
     if limit is None:
         return found
-    attributes = {"units": "1", "limit": limit, "limit_units": units["units"]}
+    attributes = {"units": "1", "limit": limit, "limit_units": units}
     found[f"{name}_exceedance"] = here, _shares(middle, limit), attributes
     interval = np.apply_along_axis(share_interval, 0, _beyond(middle, limit), sets)
     found[f"{name}_exceedance_interval"] = (*here, "bound"), np.moveaxis(interval, 0, -1), attributes

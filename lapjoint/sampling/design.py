@@ -59,6 +59,15 @@ class Samples:
         """What distinguishes these samples from others of the same problem, as values that JSON can hold."""
         return {"design": self.design, "number": self.number, "seed": self.seed}
 
+    def noise(self, sample: int) -> int:
+        """Number of the noise at a sample: samples with the same number have the same random excitation.
+
+        Each point A has noise of its own, as if noise were one more uncertain number.  AB_i has the noise of A, from
+        which it differs by its variable i alone, and B has its own.
+        """
+        width = max(self.matrices) + 1
+        return 2 * (sample // width) + (self.matrices[sample] == width - 1 > 0)
+
     def problem(self, problem: Problem, sample: int) -> Problem:
         """The problem in which each uncertain number has its value at a sample, and none is uncertain.
 

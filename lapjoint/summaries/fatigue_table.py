@@ -26,8 +26,8 @@ _ROUNDING = 1e-6
 """Smallest range in bins, divided by the largest: below are cycles of rounding, which do no damage."""
 
 
-def fatigue_table(what: Measure, sums: Sums) -> dict[str, Variable]:
-    """The variables of fatigue, by name."""
+def fatigue_table(what: Measure, sums: Sums, binned: bool = True) -> dict[str, Variable]:
+    """The variables of fatigue, by name; ranges in bins if they are `binned`."""
     places, here = Places(what.selection.problem, what.selection.x), ("x",)
     known = ~is_rounding(sums.largest_range.max(axis=0))
     omega = what.selection.problem.excitation_frequency
@@ -49,7 +49,7 @@ def fatigue_table(what: Measure, sums: Sums) -> dict[str, Variable]:
     largest = sums.largest_range.max(axis=0) * known
     text = "largest range of stress of a cycle"
     found["largest_range"] = here, largest, {"units": "Pa", "long_name": text}
-    return found | _ranges(sums, known, float(largest.max()))
+    return found | _ranges(sums, known, float(largest.max())) if binned else found
 
 
 def _ranges(sums: Sums, known: npt.NDArray[np.bool_], largest: float) -> dict[str, Variable]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Self
 
 import numpy as np
@@ -89,6 +89,10 @@ class Sums:
             np.zeros((units, fatigued)),
             np.zeros((units, fatigued, BINS)),
         )
+
+    def without_bins(self) -> Sums:
+        """The same without the counts in bins, which take most of the memory."""
+        return replace(self, counts=self.counts[..., :0], range_counts=self.range_counts[..., :0])
 
     def plain(self) -> dict[str, Any]:
         """The sums as values for JSON; floats are exact, and empty bins are left out."""

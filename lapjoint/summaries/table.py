@@ -50,10 +50,15 @@ def table(what: Measure, sums: Sums) -> xr.Dataset:
     """The dataset of statistics, without its problem and solver: values and intervals."""
     import xarray as xr
 
+    return xr.Dataset(variables_of(what, sums), coords=_coordinates(what), attrs=settings_of(what, sums))
+
+
+def variables_of(what: Measure, sums: Sums, *, binned: bool = True) -> dict[str, Variable]:
+    """The variables of statistics, by name; what is counted in bins only if it is `binned`."""
     damped = np.array([stop.damping > 0 for stop in what.selection.problem.stops], dtype=bool)
-    variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums, damped), **_distributions(sums)}
-    variables |= fatigue_table(what, sums) if what.selection.fatigued else {}
-    return xr.Dataset(variables, coords=_coordinates(what), attrs=_attributes(what, sums))
+    variables: dict[str, Variable] = {**_of_places(what, sums), **_of_stops(sums, damped), **_largest(sums)}
+    variables |= _distributions(sums) if binned else {}
+    return variables | (fatigue_table(what, sums, binned) if what.selection.fatigued else {})
 
 
 def remarks(what: Measure, sums: Sums, realisations: int) -> list[str]:
@@ -96,12 +101,18 @@ def _coordinates(what: Measure) -> dict[str, Variable]:
         | stop_coordinates(problem)
         | {
             "asked": (("x",), asked.astype("i1"), {"long_name": "1 where the place was asked for"}),
-            "bound": (("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}),
+            "bound": interval_ends(),
         }
     )
 
 
-def _attributes(what: Measure, sums: Sums) -> dict[str, Any]:
+def interval_ends() -> Variable:
+    """The coordinate of the ends of intervals."""
+    return ("bound",), np.array(["low", "high"], dtype=object), {"long_name": "end of the interval"}
+
+
+def settings_of(what: Measure, sums: Sums) -> dict[str, Any]:
+    """How motions were summarised, as attributes of a dataset."""
     return {
         "level": intervals.LEVEL,
         "duration": what.duration,
@@ -208,6 +219,14 @@ def _signed(units: FloatArray) -> FloatArray:
     return np.where((units.sum(axis=0) < 0)[:, None], -ends[:, ::-1], ends)
 
 
+def _largest(sums: Sums) -> dict[str, Variable]:
+    """The largest value of the contacts of each stop."""
+    return {
+        f"{name}_largest": (("stop",), sums.largest[:, :, k].max(axis=0), {"units": units, "long_name": text})
+        for k, (name, (units, text)) in enumerate(_OF_CONTACTS.items())
+    }
+
+
 def _distributions(sums: Sums) -> dict[str, Variable]:
     """Counts in bins, from the lowest to the highest that any stop has, and rates of exceedance of their edges."""
     found: dict[str, Variable] = {}
@@ -222,7 +241,6 @@ def _distributions(sums: Sums) -> dict[str, Variable]:
         attributes = {"units": units, "long_name": text}
         found[f"{name}_low"] = (bins,), of[:-1], attributes | {"comment": "lower edge of the bin"}
         found[f"{name}_high"] = (bins,), of[1:], attributes | {"comment": "upper edge of the bin"}
-        found[f"{name}_largest"] = ("stop",), sums.largest[:, :, k].max(axis=0), attributes
         found[f"{name}_count"] = (
             ("stop", bins),
             counts.sum(axis=0),

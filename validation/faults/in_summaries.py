@@ -10,7 +10,7 @@ SUMMARIES = (
         "an input ignored",
         "lapjoint:solve_realisation",
         "All realisations are the first one.",
-        old="spec.realisation(number)",
+        old="spec.realisation(cell)",
         new="spec.realisation(0)",
     ),
     Fault(

@@ -53,8 +53,7 @@ def _of_contacts(problem: Problem) -> Iterator[str]:
         yield "A stop is a linear spring at a point, without loss of its own; it does not yield or wear."
     yield "Contact forces are normal to the beam: there is no friction, and no sliding along the beam."
     spread = (
-        f"Samples of {', '.join(one.name for one in problem.uncertain)} (lapjoint sweep --samples) show what their "
-        "spread changes."
+        f"Samples of {', '.join(one.name for one in problem.uncertain)} (by --samples) show what their spread changes."
         if problem.uncertain
         else "In a real joint they are seldom known to better than a tenth, and the answer may change by more than "
         "that with them."

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from lapjoint.campaigns.job import Job
 from lapjoint.campaigns.point import PlainSection
+from lapjoint.campaigns.statistics.sampled import sampled_dataset
 from lapjoint.campaigns.statistics.spec import Realisations
 from lapjoint.campaigns.statistics.table import Realised, statistics_dataset
 from lapjoint.errors import SolverError
@@ -36,7 +37,7 @@ class StatisticsJob(Job[Realisations, Realised]):
     def rehearse(self, cell: int, solver: Solver) -> bool:
         """March a small part of the duration, so that everything is compiled."""
         short = replace(self.spec.measure(solver), duration=REHEARSAL * self.spec.duration, settle=0.0, units=1)
-        sums_of(short, solver, self.spec.problem)
+        sums_of(short, solver, self.spec.problem_of(0))
         return True
 
     def plain(self, point: Realised) -> dict[str, Any]:
@@ -49,13 +50,17 @@ class StatisticsJob(Job[Realisations, Realised]):
         return Realised(**{**fields, "sums": None if sums is None else Sums.from_plain(sums)})
 
     def dataset(self, points: Mapping[int, Realised]) -> xr.Dataset:
-        """The statistics of all realisations."""
-        return statistics_dataset(self.spec, points)
+        """The statistics of all realisations, together or of each sample."""
+        samples = self.spec.samples
+        if samples is None:
+            return statistics_dataset(self.spec, points)
+        return sampled_dataset(self.spec, samples, points)
 
 
-def solve_realisation(spec: Realisations, number: int, solver: Solver, progress: Progress | None = None) -> Realised:
-    """The sums of a realisation."""
+def solve_realisation(spec: Realisations, cell: int, solver: Solver, progress: Progress | None = None) -> Realised:
+    """The sums of a realisation, without bins if it is one of a sample."""
     try:
-        return Realised(sums_of(spec.measure(solver), solver, spec.realisation(number), progress))
+        sums = sums_of(spec.measure(solver, cell // spec.seeds), solver, spec.realisation(cell), progress)
+        return Realised(sums if spec.samples is None else sums.without_bins())
     except SolverError as error:
         return Realised(message=str(error))

@@ -144,7 +144,4 @@ def _place_on(problem: Problem, at: float | str | None) -> float | str:
     InputError is raised if the problem has no such place.
     """
     x = problem.one_position(at)
-    if at is not None or not problem.line.several:
-        return x if at is None else at
-    i = problem.line.beam_at(x)
-    return f"{problem.line.names[i]}:{min(x - problem.line.starts[i], problem.line.beams[i].length)!r}"
+    return problem.line.exact_place(x) if at is None else at

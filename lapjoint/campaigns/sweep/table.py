@@ -123,7 +123,7 @@ def sweep_dataset(plan: Plan, points: Mapping[int, Point]) -> xr.Dataset:
 
 
 def _coordinates(plan: Plan) -> dict[str, Variable]:
-    found = sample_coordinates(plan.grid)
+    found = sample_coordinates(plan.grid.problem, plan.grid.samples)
     for axis in plan.grid.axes:
         text = "excitation angular frequency" if axis.name == "angular_frequency" else None
         found[axis.name] = axis_coordinate(axis, text)

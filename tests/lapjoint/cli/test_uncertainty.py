@@ -94,4 +94,5 @@ def test_files_without_samples_and_samples_without_uncertain_numbers_are_refused
     assert_refused(run(*given, "--samples", "64"), "samples: nothing in this problem is uncertain", lines=1)
     run_well(*given)
     assert_refused(run("uncertainty", folder / "certain.nc"), "the file has no samples", lines=1)
-    assert_refused(run("plot", folder / "samples.nc"), "`lapjoint uncertainty` draws their bands", lines=1)
+    said = f"{folder / 'samples.nc'}: has samples of uncertain numbers"
+    assert_refused(run("plot", folder / "certain.nc", folder / "samples.nc"), said, lines=1)
