@@ -59,6 +59,7 @@ _MODULES = {
     "slow-modes": "slow_modes",
     "random-linear": "random_linear",
     "random-stops": "random_stops",
+    "fatigue": "fatigue",
     "as-published": "as_published",
     "branches": "branches",
     "steady": "steady",

@@ -87,25 +87,25 @@ def of_period(values: FloatArray) -> FloatArray:
     return np.concatenate([closed, more, halves])
 
 
-def with_extrema(t: FloatArray, values: FloatArray, rates: FloatArray) -> list[FloatArray]:
-    """Each row of values, (X, m), at times, s, (m,), with the extrema of the cubics by values and rates, (X, m)."""
+def turning_parts(t: FloatArray, values: FloatArray, rates: FloatArray) -> list[FloatArray]:
+    """Of each row of values, (X, m), at times, s, (m,), a part that has all its extrema: its ends, the extrema of the
+    cubics by values and rates, (X, m), and the samples beside them."""
     if t.size < 2:
         return list(values)
     h, a, b = np.diff(t), values[:, :-1], values[:, 1:]
     p, q = rates[:, :-1] * h, rates[:, 1:] * h
     # the rate of the cubic at s, 0 < s < 1, is p + s (2 c2 + 3 c3 s), with these coefficients
     c2, c3 = 3 * (b - a) - 2 * p - q, 2 * (a - b) + p + q
-    root = np.sqrt(np.maximum(c2**2 - 3 * c3 * p, 0.0))
-    turns = c2**2 > 3 * c3 * p
-    big = -(c2 + np.copysign(root, c2))  # of the two roots, big / (3 c3) and p / big, none cancels
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.sort(np.stack([big / (3 * c3), p / big], axis=-1), axis=-1)
-    inside = turns[..., None] & (found > 0) & (found < 1)
-    s = np.where(inside, found, 0.0)
-    at = a[..., None] + s * (p[..., None] + s * (c2[..., None] + s * c3[..., None]))
-    every = np.concatenate([a[..., None], at], axis=-1)
-    used = np.concatenate([np.ones((*a.shape, 1), dtype=bool), inside], axis=-1)
-    return [np.append(row[which], last) for row, which, last in zip(every, used, b[:, -1], strict=True)]
+    turns = (p * q <= 0) | ((np.abs(c2) < 3 * np.abs(c3)) & (c2**2 > 3 * c3 * p))
+    turns[:, [0, -1]] = True
+    rows, a, b, p, c2, c3 = np.nonzero(turns)[0], *(one[turns] for one in (a, b, p, c2, c3))
+    big = -(c2 + np.copysign(np.sqrt(np.maximum(c2**2 - 3 * c3 * p, 0.0)), c2))
+    with np.errstate(divide="ignore", invalid="ignore"):  # of the two roots, none cancels
+        s = np.sort(np.stack([big / (3 * c3), p / big]), axis=0)
+        at = a + s * (p + s * (c2 + s * c3))
+    at = np.where(s < 1, np.where(s > 0, at, a), b)  # a root that is not inside, or not a number, is an end
+    parts = np.stack([a, *at, b], axis=-1)
+    return [part.ravel() for part in np.split(parts, np.searchsorted(rows, np.arange(1, values.shape[0])))]
 
 
 @dataclass
@@ -149,8 +149,8 @@ class Places:
         factor = -(line.stress_per_moment_at(self.x) * line.EI_at(self.x))[:, None]
         for t, second in sample_times(rate, lo, hi, history.switch_times):
             values, rates = (factor * history.field(self.x, t, 2, dt) for dt in (0, 1))
-            half = with_extrema(t[second], values[:, second], rates[:, second])
-            yield t.size, with_extrema(t, values, rates), half
+            half = turning_parts(t[second], values[:, second], rates[:, second])
+            yield t.size, turning_parts(t, values, rates), half
 
     def range_at(self, damage: FloatArray) -> FloatArray:
         """The range, Pa, of which one cycle does a damage, (X, ...) both; 0 without an S-N line."""

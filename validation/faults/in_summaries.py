@@ -14,6 +14,22 @@ SUMMARIES = (
         new="spec.realisation(0)",
     ),
     Fault(
+        "fatigue-amplitudes",
+        "a wrong factor",
+        "lapjoint:_counted",
+        "Cycles are counted by their amplitudes, and not by their ranges.",
+        old="np.diff(cycles, axis=1)[:, 0]",
+        new="np.diff(cycles, axis=1)[:, 0] / 2",
+    ),
+    Fault(
+        "fatigue-ranges-between-extrema",
+        "a wrong rule",
+        "lapjoint:Rainflow.take",
+        "Ranges between successive extrema are counted, as if no cycle lay within another.",
+        old="_counted(points[:-1])",
+        new="np.abs(np.diff(points[:-1]))[::2], points[-2:-1]",
+    ),
+    Fault(
         "statistics-rms-less-mean",
         "a term dropped",
         "lapjoint:Collector._take_samples",

@@ -20,7 +20,7 @@ from lapjoint.answers.dissipation import taken
 from lapjoint.problem import FloatArray, SNLine
 from lapjoint.problem.files import from_toml, to_toml
 from lapjoint.summaries import summarise
-from lapjoint.summaries.rainflow import CycleCounter, Places, Rainflow, of_period, turning_points, with_extrema
+from lapjoint.summaries.rainflow import CycleCounter, Places, Rainflow, of_period, turning_parts, turning_points
 
 LINE = SNLine(slope=3.0, reference_range=80e6, reference_cycles=2e6)
 JOINT = """
@@ -121,7 +121,7 @@ def test_a_period_that_repeats_has_the_cycles_of_many_periods() -> None:
 
 def test_a_cubic_finds_the_extrema_of_a_sine_between_its_samples() -> None:
     t = np.arange(0, 200) * 2 * math.pi / 16 + 0.1
-    (row,) = with_extrema(t, np.sin(t)[None], np.cos(t)[None])
+    (row,) = turning_parts(t, np.sin(t)[None], np.cos(t)[None])
     assert np.abs(turning_points(row)[1:-1]) == pytest.approx(1.0, abs=1e-4)
     assert turning_points(row).size == 2 + np.floor((t[-1] - math.pi / 2) / math.pi) + 1
 
