@@ -134,18 +134,17 @@ def point_from(fields: Mapping[str, Any]) -> Point:
 
 def _summary_of(found: SteadyState, names: Sequence[str]) -> dict[str, list[float]]:
     """Numbers of a steady state as `Point.summary` holds them."""
-    from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS, quantities_of
+    from lapjoint.summaries.of_orbit import ALONG, quantities_of
 
-    summary = summarise(found, quantities=quantities_of(names) or ["displacement"])
+    summary = summarise(found, quantities=quantities_of(names) or ["displacement"], names=names)
     result = {}
     for name in names:
-        values = summary.values[name]
-        errors = np.full_like(values, math.nan) if summary.errors is None else summary.errors[name]
-        if name in OF_STOPS | OF_ALL:
-            result[name] = [*values.tolist(), *errors.tolist()]
-        else:
+        values, errors = summary.value(name)
+        if name in ALONG:
             i = int(np.argmax(values))
             result[name] = [float(values[i]), float(errors[i]), float(summary.selection.x[i])]
+        else:
+            result[name] = [*values.tolist(), *errors.tolist()]
     return result
 
 

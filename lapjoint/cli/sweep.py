@@ -52,7 +52,8 @@ from lapjoint.cli.options import (
     "--summary",
     metavar="NAME,NAME,..",
     help="Further variables of each motion.  Largest values along the beam: <quantity>_peak or <quantity>_rms, e.g. "
-    "stress_peak.  Of each stop: force_peak, force_rms, contact_time, contact_rate.",
+    "stress_peak, and with an S-N line damage_rate, equivalent_range, largest_range.  Of each stop: force_peak, "
+    "force_rms, contact_time, contact_rate.",
 )
 @click.option(
     "--strobe",

@@ -27,6 +27,9 @@ _NAMES = {
     "dissipated_power_total": "power lost in all stops",
     "input_power": "power of the excitation",
     "damping_power": "power lost in beams and links",
+    "damage_rate": "fatigue damage a second",
+    "equivalent_range": "equivalent stress range",
+    "largest_range": "largest stress range",
 }
 _KINDS = {"peak": "largest", "rms": "RMS of"}
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}

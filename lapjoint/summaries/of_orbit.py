@@ -27,7 +27,7 @@ from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.correlated_series import standard_error
-from lapjoint.summaries.fatigue_of_orbit import FatigueSummary, fatigue_of_orbit, fatigue_of_wandering
+from lapjoint.summaries.fatigue_of_orbit import OF_FATIGUE, FatigueSummary, fatigue_of_orbit, fatigue_of_wandering
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
 
 MOST = 1 << 15
@@ -59,7 +59,16 @@ OF_ALL = {
     "damping_power": ("W", "energy that the damping of beams and links takes a second: what the stops leave"),
 }
 """Values of all stops together: unit and meaning."""
-SUMMARIES = (*(f"{name}_{what}" for name in QUANTITIES for what in ("peak", "rms")), *OF_STOPS, *OF_ALL)
+_OF_INPUT = ("input_power", "damping_power")
+"""Values that need the power of the excitation."""
+_KINDS = {"peak": "largest magnitude", "rms": "root mean square"}
+ALONG = {
+    f"{name}_{kind}": (one.units, f"{text} of the {one.text}")
+    for name, one in QUANTITIES.items()
+    for kind, text in _KINDS.items()
+} | OF_FATIGUE
+"""Values of each place along the beam: unit and meaning."""
+SUMMARIES = (*ALONG, *OF_STOPS, *OF_ALL)
 """Names of all values of a summary."""
 
 
@@ -76,7 +85,13 @@ class OrbitSummary(Shown):
     """Estimates of the numerical errors of `values`; infinite where no error can be stated, None if none were
     estimated."""
     fatigue: FatigueSummary | None = None
-    """Fatigue at the places; None if no material has an S-N line."""
+    """Fatigue at the places; None if no material has an S-N line, or if it was not asked for."""
+
+    def value(self, name: str) -> tuple[FloatArray, FloatArray]:
+        """A value of `SUMMARIES` and its error, NaN if none was estimated: shape ``(X,)``, ``(S,)`` or ``(1,)``."""
+        of = self.fatigue if self.fatigue is not None and name in OF_FATIGUE else self
+        value = of.values[name]
+        return value, np.full_like(value, math.nan) if of.errors is None else of.errors[name]
 
 
 def check_names(names: Sequence[str]) -> tuple[str, ...]:
@@ -89,11 +104,15 @@ def check_names(names: Sequence[str]) -> tuple[str, ...]:
 
 def quantities_of(names: Sequence[str]) -> list[str]:
     """The quantities of the beam that some names of values need."""
-    return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name not in OF_STOPS | OF_ALL))
+    return list(dict.fromkeys(name.rpartition("_")[0] for name in names if name in ALONG and name not in OF_FATIGUE))
 
 
 def summarise(
-    steady: SteadyState, *, at: Sequence[float] | None = None, quantities: Sequence[str] | None = None
+    steady: SteadyState,
+    *,
+    at: Sequence[float] | None = None,
+    quantities: Sequence[str] | None = None,
+    names: Sequence[str] = SUMMARIES,
 ) -> OrbitSummary:
     """Peaks, root mean squares and contact times of a steady state.
 
@@ -106,6 +125,9 @@ def summarise(
     quantities : sequence of str, optional
         Names from `lapjoint.answers.quantities.QUANTITIES`; by default displacement, velocity, absolute acceleration,
         moment and, if the beam has a section, stress.
+    names : sequence of str
+        Names of values, of `SUMMARIES`, that are needed: powers of the excitation and fatigue, which take long, are
+        left out if they are not.
 
     Returns
     -------
@@ -118,18 +140,19 @@ def summarise(
         If a place is off the beam, a quantity is unknown, or the problem lacks something that a quantity needs.
     """
     what = selection(steady.problem, at=at, quantities=quantities)
+    powers, fatigued = any(name in _OF_INPUT for name in names), any(name in OF_FATIGUE for name in names)
     if not steady.period_multiple:
-        return _of_wandering(steady, what)
-    values = _of_periods(steady.history, what, 1)
+        return _of_wandering(steady, what, powers, fatigued)
+    values = _of_periods(steady.history, what, 1, powers)
     means = {name: value[0] for name, value in values.items()}
-    fatigue = fatigue_of_orbit(steady, what, FINER)
+    fatigue = fatigue_of_orbit(steady, what, FINER) if fatigued else None
     if steady.impulse_errors is None:
         return OrbitSummary(what, means, None, fatigue)
     other = steady.comparison
     if other is None:
         unstated = {name: np.full_like(value, math.inf) for name, value in means.items()}
         return OrbitSummary(what, means, unstated, fatigue)
-    finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, FINER).items()}
+    finer = {name: value[0] for name, value in _of_periods(other.history, what, 1, powers, FINER).items()}
     orders = {one.name: (one.dx, one.dt) for one in what.quantities} | dict.fromkeys(
         ("received", "dissipated", "input", "damping"), (0, OF_ENERGY)
     )
@@ -152,12 +175,13 @@ def summarise(
     return OrbitSummary(what, means, errors, fatigue)
 
 
-def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
-    """The summary of a motion that does not repeat: means over its excitation periods, with their standard errors."""
+def _of_wandering(steady: SteadyState, what: Selection, powers: bool, fatigued: bool) -> OrbitSummary:
+    """The summary of a motion that does not repeat, with `powers` of the excitation and with fatigue if `fatigued`:
+    means over its excitation periods, with their standard errors."""
     omega = steady.problem.require_excitation_frequency("a steady state")
     history = steady.history if steady.march_on is None else steady.march_on(WANDERING)
     periods = max(1, round((history.end - history.start) * omega / (2 * math.pi)))
-    each = _of_periods(history, what, periods)
+    each = _of_periods(history, what, periods, powers)
     values, errors = {}, {}
     for name, value in each.items():
         if name.endswith("_peak"):
@@ -170,14 +194,17 @@ def _of_wandering(steady: SteadyState, what: Selection) -> OrbitSummary:
         of_mean = np.array([standard_error(series) if periods >= WANDERING else math.inf for series in means.T])
         size = np.where(values[name] > 0, values[name], 1.0)
         errors[name] = of_mean / (power * size ** (power - 1))
-    fatigue = fatigue_of_wandering(steady, history, what, periods, periods >= WANDERING)
+    fatigue = fatigue_of_wandering(steady, history, what, periods, periods >= WANDERING) if fatigued else None
     return OrbitSummary(what, values, None if steady.impulse_errors is None else errors, fatigue)
 
 
-def _of_periods(history: History, what: Selection, periods: int, times: float = 1.0) -> dict[str, FloatArray]:
+def _of_periods(
+    history: History, what: Selection, periods: int, powers: bool, times: float = 1.0
+) -> dict[str, FloatArray]:
     """All values over each of `periods` equal parts of a motion: by name, shape (periods, X) or (periods, S).
 
-    There are at most `times` `MOST` samples.
+    The powers of the excitation and of damping are left out without `powers`.  There are at most `times` `MOST`
+    samples.
     """
     edges = np.linspace(history.start, history.end, periods + 1)
     t, weight, part = _samples(history, edges, times * MOST)
@@ -191,7 +218,8 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
             values, force = what.values(history, t[here])
             squares[p] += (values**2) @ weight[here]
             force_squares[p] += (force**2) @ weight[here]
-            given[p] += input_power(history, t[here]) @ weight[here]
+            if powers:
+                given[p] += input_power(history, t[here]) @ weight[here]
             keep_largest(values, t[here], peaks[p], when[p])
         _look_closer(history, what, np.diff(t[mine]).max(initial=0.0), peaks[p], when[p])
     duration = np.diff(edges)[:, None]
@@ -213,8 +241,9 @@ def _of_periods(history: History, what: Selection, periods: int, times: float = 
     found["contact_time"], found["contact_rate"] = time / duration, count / duration
     found["received_power"], found["dissipated_power"] = got / duration, lost / duration
     found["dissipated_power_total"] = found["dissipated_power"].sum(axis=1, keepdims=True)
-    found["input_power"] = given / duration
-    found["damping_power"] = found["input_power"] - found["dissipated_power_total"]
+    if powers:
+        found["input_power"] = given / duration
+        found["damping_power"] = found["input_power"] - found["dissipated_power_total"]
     return found
 
 

@@ -21,6 +21,7 @@ from lapjoint.campaigns.job import Spec
 from lapjoint.errors import InputError
 from lapjoint.problem import Problem
 from lapjoint.solver import Solver
+from lapjoint.summaries.fatigue_of_orbit import OF_FATIGUE
 from lapjoint.summaries.of_orbit import check_names
 
 Start = Literal["rest", "up", "down", "random"]
@@ -59,6 +60,9 @@ class Plan(Spec):
         object.__setattr__(self, "summary", check_names(self.summary))
         if any(name.startswith("stress_") for name in self.summary):
             self.grid.problem.line.require_sections("summary of the stress")
+        for name in self.summary:
+            if name in OF_FATIGUE and not self.grid.problem.line.has_fatigue:
+                raise InputError(f"summary {name!r}: no material has an S-N line; give [beam.material.fatigue]")
         if self.start not in get_args(Start):
             raise InputError(f"start = {self.start!r}: allowed: {', '.join(get_args(Start))}")
         check_integer("starts", self.starts, 1, MOST_STARTS)

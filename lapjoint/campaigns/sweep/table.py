@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.series import stop_coordinates
 from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.dataset import (
@@ -34,7 +33,7 @@ from lapjoint.campaigns.dataset import (
 from lapjoint.campaigns.point import CUT_AT_END, CUT_AT_START, FAILED, OUTCOME_CODES, Point
 from lapjoint.campaigns.sweep.spec import Plan
 from lapjoint.campaigns.sweep.strobe import strobe_variables
-from lapjoint.summaries.of_orbit import OF_ALL, OF_STOPS
+from lapjoint.summaries.of_orbit import ALONG, OF_ALL, OF_STOPS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,16 +183,11 @@ def _summary(plan: Plan, answers: _Answers) -> dict[str, Variable]:
 
 def _columns_of(name: str) -> list[Column]:
     """The variables of a further number, in the sequence in which `Point.summary` holds their values."""
-    of_stops = OF_STOPS | OF_ALL
-    if name in of_stops:
-        units, text = of_stops[name]
-    else:
-        quantity, _, kind = name.rpartition("_")
-        units = QUANTITIES[quantity].units
-        what = "largest magnitude" if kind == "peak" else "root mean square"
-        text = f"{what} of the {QUANTITIES[quantity].text}, where it is largest along the beam"
+    units, text = (ALONG | OF_STOPS | OF_ALL)[name]
+    if name in ALONG:
+        text = f"{text}, where it is largest along the beam"
     error = Column(f"{name}_error", "f8", units, f"estimate of the numerical error of: {text}")
-    where = [] if name in of_stops else [Column(f"{name}_x", "f8", "m", f"position of {name} from the root")]
+    where = [Column(f"{name}_x", "f8", "m", f"position of {name} from the root")] if name in ALONG else []
     return [Column(name, "f8", units, text), error, *where]
 
 

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+import xarray as xr
 from command_line import assert_refused, run, run_well
 
 JOINT = """
@@ -47,6 +48,24 @@ def test_a_steady_state_prints_and_writes_the_damage_at_a_place() -> None:
     assert float(row.split()[5]) == pytest.approx(written["values"][0], rel=1e-4)
     (row,) = (line for line in lines if line.startswith("along the beam"))
     assert float(row.split()[-1]) == pytest.approx(1 / max(written["values"]) / 3600, rel=1e-4)
+
+
+def test_a_sweep_keeps_what_a_steady_state_prints() -> None:
+    Path("joint.toml").write_text(JOINT.format(beam=SECTION, fatigue=LINE))
+    run_well(*STEADY, "--json", "steady.json")
+    values = json.loads(Path("steady.json").read_text())["summary"]
+    names = ("damage_rate", "equivalent_range", "largest_range")
+    few = ("sweep", "joint.toml", "--n-modes", "3", "--from", "60", "--to", "61")
+    run_well(*few, "--summary", ",".join(names), "--errors", "--out", "curve.nc")
+    curve = xr.load_dataset("curve.nc")
+    for name in names:
+        assert float(curve[name][0]) == pytest.approx(max(values[name]["values"]), rel=1e-9)
+        assert float(curve[f"{name}_x"][0]) == 0.0
+        assert 0 < float(curve[f"{name}_error"][0]) < 0.1 * float(curve[name][0])
+    run_well("plot", "curve.nc", "--variable", "damage_rate", "-o", "curve.svg")
+    Path("joint.toml").write_text(JOINT.format(beam=SECTION, fatigue="").replace("[beam.material.fatigue]", ""))
+    said = "summary 'damage_rate': no material has an S-N line; give [beam.material.fatigue]"
+    assert_refused(run(*few, "--summary", "damage_rate", "--out", "other.nc"), said, lines=1)
 
 
 @pytest.mark.thorough
