@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from pages import SCATTER, alike, blocks, sessions
 
-from lapjoint import AtEquilibrium, paper_joint
+from lapjoint import AtEquilibrium, paper_joint, write_problem
 from lapjoint.cli.main import main
 from lapjoint.errors import InputError
 from lapjoint.problem.files import from_toml, problem_from_tables, problem_tables
@@ -106,6 +106,23 @@ def test_the_session_of_the_page_on_sweeps_runs(tmp_path: Path, monkeypatch: pyt
     for line in lines:
         exec(line, names)
     assert "impulse" in str(eval(last, names))
+
+
+def test_the_session_of_the_page_on_uncertain_numbers_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (DOCS / "uncertainty.md").read_text(encoding="utf-8")
+    tables = {**problem_tables(paper_joint()), **tomllib.loads(blocks("toml", page)[0])}
+    write_problem(problem_from_tables(tables), "my.toml")
+    (session,) = blocks("pycon", page)
+    few = session.replace("range(100, 1500, 7)", "(400.0,)")
+    few = few.replace("samples=256", 'samples=64, options={"n_modes": 2}')
+    *lines, interval, indices = re.findall(r"^>>> (.*)$", few, re.MULTILINE)
+    names: dict[str, object] = {}
+    for line in lines:
+        exec(line, names)
+    low, high = eval(interval, names).values
+    assert 0 <= low <= high <= 1
+    assert eval(indices, names).dims == ("uncertain",)
 
 
 def test_every_dependency_is_explained() -> None:

@@ -16,12 +16,13 @@ from lapjoint.problem import FloatArray
 OF_ENERGY = 1
 """Order of the time derivative as which an energy lost in a damped stop converges: that of the velocity in the damper's
 force."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_SERIES = (np.polynomial.legendre.legvander(_NODES, _NODES.size - 1) * _WEIGHTS[:, None]).T * (
-    np.arange(_NODES.size)[:, None] + 0.5
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+"""Gauss's rule of eight points, from -1 to 1."""
+_SERIES = (np.polynomial.legendre.legvander(NODES, NODES.size - 1) * WEIGHTS[:, None]).T * (
+    np.arange(NODES.size)[:, None] + 0.5
 )
 """Legendre coefficients, by rows, of the polynomial through values at the nodes, by columns."""
-_WITH_ENDS = np.concatenate([[-1.0], _NODES, [1.0]])
+_WITH_ENDS = np.concatenate([[-1.0], NODES, [1.0]])
 _TURN = 1.5
 """Turn of the fastest mode in one panel, rad: the integrand turns twice as far, and eight nodes give twelve digits."""
 _GROWTH = 1.5
@@ -99,10 +100,10 @@ def taken(history: History) -> list[tuple[float, float]]:
 
 def _largest_integral(weights: FloatArray, force: FloatArray, rate: FloatArray) -> tuple[float, float]:
     """The integral of F d' along a course, and the largest one up to any moment of it, J; at least 0."""
-    halves = weights.reshape(-1, _NODES.size).sum(axis=1) / 2
-    series = (force * rate).reshape(-1, _NODES.size) @ _SERIES.T  # Legendre coefficients of the power in each panel
+    halves = weights.reshape(-1, NODES.size).sum(axis=1) / 2
+    series = (force * rate).reshape(-1, NODES.size) @ _SERIES.T  # Legendre coefficients of the power in each panel
     until = np.cumsum(2 * halves * series[:, 0])
-    sampled = series @ np.polynomial.legendre.legvander(_WITH_ENDS, _NODES.size - 1).T
+    sampled = series @ np.polynomial.legendre.legvander(_WITH_ENDS, NODES.size - 1).T
     most = max(float(until.max(initial=0.0)), 0.0)
     for i in np.flatnonzero(((sampled[:, :-1] > 0) & (sampled[:, 1:] <= 0)).any(axis=1)).tolist():
         roots = np.polynomial.legendre.legroots(series[i])
@@ -183,8 +184,8 @@ def _courses(history: History, stop: int, spans: Sequence[Span], fastest: float 
         for a, b in pairwise(np.unique(np.concatenate([[*begun, end], *knots])).tolist()):
             panels = _panels(a, b, turning, (fastest or turning) if a in begun else turning)
             half, middle = np.diff(panels)[:, None] / 2, ((panels[:-1] + panels[1:]) / 2)[:, None]
-            edges.append((middle + half * _NODES).ravel())
-            weights.append((half * _WEIGHTS).ravel())
+            edges.append((middle + half * NODES).ravel())
+            weights.append((half * WEIGHTS).ravel())
         times.append(np.concatenate(edges))
         sizes.append(times[-1].size)
     t, forces, rates = np.concatenate(times), [], []

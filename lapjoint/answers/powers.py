@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from lapjoint.answers.dissipation import NODES, WEIGHTS
 from lapjoint.answers.history import History
 from lapjoint.problem import FloatArray
 from lapjoint.problem.load_shape import LoadShape
 
 _PANELS = 4
 """Least number of panels along the line of beams: eight nodes in each integrate twelve modes to 1e-7."""
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 def input_power(history: History, t: FloatArray) -> FloatArray:
@@ -37,6 +37,6 @@ def _quadrature(shape: LoadShape, longest: float) -> tuple[FloatArray, FloatArra
     for start, end, force in shape.pieces:
         edges = np.linspace(start, end, max(1, int(np.ceil((end - start) / longest))) + 1)
         half = np.diff(edges)[:, None] / 2
-        x += (edges[:-1, None] + half * (1 + _NODES)).ravel().tolist()
-        weight += (force * half * _WEIGHTS).ravel().tolist()
+        x += (edges[:-1, None] + half * (1 + NODES)).ravel().tolist()
+        weight += (force * half * WEIGHTS).ravel().tolist()
     return np.array(x), np.array(weight)

@@ -37,6 +37,9 @@ from lapjoint.cli.options import FIGURES, SolverChoice, Work, campaign_options, 
 @click.option("--from", "first", type=float, help="First value of the parameter.")
 @click.option("--to", "last", type=float, help="Last value of the parameter.")
 @click.option("--values", type=int, help="Number of values of the parameter.")
+@click.option(
+    "--hz", is_flag=True, help="--from, --to and what is printed are in Hz; frequencies in the file in rad/s."
+)
 @click.option("--effort", type=int, metavar="PERIODS", help="Limit of periods simulated from a start.  [default: 4000]")
 @click.option("--figure", metavar="FILE", type=FILE, help="Draw the basins to FILE: .png, .svg or .pdf.")
 @campaign_options(out_required=True)
@@ -44,6 +47,7 @@ def basins(
     problem: str,
     overrides: tuple[str, ...],
     figure: str | None,
+    hz: bool,
     solver: SolverChoice,
     work: Work,
     **chosen: Any,
@@ -63,9 +67,12 @@ def basins(
 
     arguments.check_file("--out", work.out, ".nc")
     arguments.check_file("--figure", figure, *FIGURES)
+    if hz:
+        arguments.refuse("is of --over base_motion.angular_frequency", hz=chosen["over"] is None)
+        chosen["over"] = arguments.in_hz(chosen["over"])
     this = arguments.problem_from(problem, overrides)
     plan = plan_from(this, solver.name, solver.numerics, **chosen)
-    found = found_or_stored(BasinJob(plan), "basins", "these basins", work)
+    found = found_or_stored(BasinJob(plan), "these basins", work)
     found = in_hertz(found) if arguments.is_in_hz(chosen["over"]) else found
     print_basins(found)
     if figure is not None:

@@ -115,6 +115,6 @@ def branch(
         also_over=also_over,
         from_grazes=from_grazes,
     )
-    found = found_or_stored(BranchJob(plan), "branch", "these branches", work)
+    found = found_or_stored(BranchJob(plan), "these branches", work)
     print_branches(in_hertz(found) if arguments.is_in_hz(over) else found)
     click.get_current_context().exit(0 if is_whole(found) else 1)

@@ -38,6 +38,6 @@ def confirm(
 
     arguments.check_file("--out", work.out, ".nc")
     spec = confirm_spec(read_branches(branches), solver.name, solver.numerics, share, seed)
-    found = found_or_stored(ConfirmJob(spec), "confirm", "this confirmation", work)
+    found = found_or_stored(ConfirmJob(spec), "this confirmation", work)
     print_confirmed(in_hertz(found) if hz else found)
     click.get_current_context().exit(0 if all_agree(found) else 1)

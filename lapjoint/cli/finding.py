@@ -13,20 +13,18 @@ if TYPE_CHECKING:
     from lapjoint.campaigns.job import Job
 
 
-def found_or_stored(job: Job[Any, Any], title: str, holds: str, work: Work) -> xr.Dataset:
-    """The dataset of a job: read from its file if the file is finished, else found, with progress under a `title`.
+def found_or_stored(job: Job[Any, Any], holds: str, work: Work) -> xr.Dataset:
+    """The dataset of a job: read from its file if the file is finished, else found, with progress.
 
     `holds` names the content of a finished file, for example "this sweep".
     """
     from lapjoint.campaigns.running import run_job, stored
-    from lapjoint.cli.progress import shown_points, shown_search
 
     there = None if work.out is None else stored(job.spec, work.out, force=work.force)
     if there is not None:
         echo(f"{work.out}: holds {holds} already, finished")
         return there
-    with (shown_search if job.spec.grows else shown_points)(title) as progress:
-        found = run_job(job, progress=progress, **work._asdict())
+    found = run_job(job, progress=True, **work._asdict())
     if work.out is not None:
         echo(f"Wrote {work.out}")
     return found

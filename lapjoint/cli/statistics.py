@@ -82,7 +82,7 @@ def statistics(
         rate,
         sampling.of(this),
     )
-    found = found_or_stored(StatisticsJob(plan), "statistics", "these statistics", work)
+    found = found_or_stored(StatisticsJob(plan), "these statistics", work)
     if sampling.samples is None:
         statistics_printing.print_statistics(found, this)
     else:

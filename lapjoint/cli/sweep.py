@@ -104,6 +104,6 @@ def sweep(
     further = () if summary is None else arguments.names_from(summary)
     grid = Grid(this, axes, sampling.of(this))
     plan = Plan(grid, solver.name, solver.numerics, start, starts, seed, sensitivity, errors, further, strobe, place)
-    found = found_or_stored(SweepJob(plan), "sweep", "this sweep", work)
+    found = found_or_stored(SweepJob(plan), "this sweep", work)
     printing.print_curve(found)
     click.get_current_context().exit(1 if bool((found.outcome == -1).any()) else 0)

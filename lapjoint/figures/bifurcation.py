@@ -15,7 +15,15 @@ from lapjoint.campaigns.point import OUTCOME_CODES
 from lapjoint.errors import InputError
 from lapjoint.figures.impulse_curve import limit
 from lapjoint.figures.style import COLOURS, COLUMN_WIDTH, GREY, PAGE_WIDTH, entitle, new_axes, style
-from lapjoint.figures.sweep_axes import axis_label, constant_fields, fields, in_order, short_name, with_unit
+from lapjoint.figures.sweep_axes import (
+    axis_label,
+    check_one_axis,
+    constant_fields,
+    fields,
+    in_order,
+    short_name,
+    with_unit,
+)
 from lapjoint.figures.sweep_variables import STROBES, exponent_of, unit_of
 from lapjoint.figures.text import legend_label, literal
 from lapjoint.problem import FloatArray
@@ -83,9 +91,7 @@ def _checked(dataset: Any, name: str, variable: str) -> xr.Dataset:
 def _drawn(sweeps: Mapping[str, xr.Dataset], axes: Axes | None, variable: str, wide: bool) -> Axes:
     some = next(iter(sweeps.values()))
     first = fields(some)[0]
-    for name, one in sweeps.items():
-        if fields(one)[0] != first or one[first].units != some[first].units:
-            raise InputError(f"{name}: is over {fields(one)[0]} and not over {first}, as the sweep before it")
+    check_one_axis(sweeps)
     axes = new_axes(PAGE_WIDTH if wide else COLUMN_WIDTH, 3.4 if wide else 2.7) if axes is None else axes
     exponent = exponent_of(variable, *sweeps.values())
     clouds = {label: one for name, sweep in sweeps.items() for label, one in _clouds(name, sweep).items()}

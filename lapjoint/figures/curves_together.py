@@ -27,7 +27,7 @@ from lapjoint.figures.style import (
     new_panels,
     style,
 )
-from lapjoint.figures.sweep_axes import axis_label, fields, in_order, short_name, units
+from lapjoint.figures.sweep_axes import axis_label, check_one_axis, fields, in_order
 from lapjoint.figures.sweep_variables import IMPULSE, check_variable, curves, exponent_of, ordinate, where
 from lapjoint.figures.text import SMALL, legend_label, literal, shortened
 from lapjoint.problem import FloatArray
@@ -176,16 +176,9 @@ def fitting(datasets: Mapping[str, xr.Dataset], variable: str) -> dict[str, xr.D
         if second is not None:
             reason = "several files are drawn in one figure only if each has one swept parameter"
             raise InputError(f"{name}: is over {first} and {second}; {reason}")
-        before = next(iter(found.items()), None)
-        if before is not None and (here := _said(dataset)) != (there := _said(before[1])):
-            raise InputError(f"{name}: is over {here}, and {before[0]} over {there}; one figure has one axis")
         found[name] = in_order(dataset)
+    check_one_axis(found)
     return found
-
-
-def _said(dataset: xr.Dataset) -> str:
-    first = fields(dataset)[0]
-    return f"{short_name(dataset, first)} [{units(dataset, first)}]"
 
 
 def _x(dataset: xr.Dataset) -> FloatArray:

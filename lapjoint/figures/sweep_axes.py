@@ -7,7 +7,7 @@ first value.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,6 +72,15 @@ def fields(dataset: xr.Dataset) -> tuple[str, str | None]:
     """The names of the first swept field and of the second, which is None if there is only one."""
     names = [str(name) for name in dataset.outcome.dims if name != "start"]
     return names[0], names[1] if len(names) > 1 else None
+
+
+def check_one_axis(sweeps: Mapping[str, xr.Dataset]) -> None:
+    """InputError, which names two sweeps, if the first swept fields of sweeps are not the same, in the same unit."""
+    said = {name: axis_label(one, fields(one)[0]) for name, one in sweeps.items()}
+    first = next(iter(said))
+    for name, here in said.items():
+        if here != said[first]:
+            raise InputError(f"{name}: is over {here}, and {first} over {said[first]}; one figure has one axis")
 
 
 def constant_fields(dataset: xr.Dataset) -> list[str]:

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from command_line import run_well
+from command_line import assert_refused, run, run_well
 from toy import bar
 
 from lapjoint import write_problem
@@ -45,6 +45,13 @@ def test_a_parameter_in_hz_is_printed_and_drawn_in_hz(problem: str) -> None:
     assert "base_motion.frequency = 0.08 Hz" in said
     assert "frequency [Hz]" in Path("over.svg").read_text()
     assert read_basins("over.nc").angular_frequency.values.tolist() == [2 * math.pi * 0.08, 2 * math.pi * 0.1]
+    same = ("--hz", *over[:1], "angular_frequency", *over[2:])
+    assert "holds these basins already" in run_well(
+        "basins", problem, *RANDOM, *same, "--n-modes", "2", "--out", "over.nc"
+    )
+    assert_refused(
+        run("basins", problem, *RANDOM, "--hz", "--out", "other.nc"), "--hz: is of --over base_motion.", lines=1
+    )
 
 
 def test_random_starts_along_a_number_are_drawn_as_shares(problem: str) -> None:

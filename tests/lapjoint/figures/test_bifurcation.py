@@ -100,5 +100,5 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     with pytest.raises(InputError, match="has no impulse; "):
         plot_bifurcation(sampled(), variable="impulse")
     other = sampled().rename(angular_frequency="gap")
-    with pytest.raises(InputError, match="down: is over gap and not over angular_frequency"):
+    with pytest.raises(InputError, match=r"down: is over gap .*, and up over angular frequency ω"):
         plot_bifurcation({"up": sampled(), "down": other})
