@@ -28,7 +28,15 @@ from lapjoint.figures.style import (
     style,
 )
 from lapjoint.figures.sweep_axes import axis_label, check_one_axis, fields, in_order
-from lapjoint.figures.sweep_variables import IMPULSE, check_variable, curves, exponent_of, ordinate, where
+from lapjoint.figures.sweep_variables import (
+    IMPULSE,
+    check_variable,
+    curves,
+    exponent_of,
+    ordinate,
+    ordinate_of_panel,
+    where,
+)
 from lapjoint.figures.text import SMALL, legend_label, literal, shortened
 from lapjoint.problem import FloatArray
 
@@ -138,7 +146,7 @@ def plot_curves_wide(
         name_marks(axes, kinds)
         draw_limits(axes, some, variable, limits, exponent)
         axes.axhline(0.0, color=GREY, linewidth=THIN, zorder=1)
-        axes.set_ylabel("impulse [N s]" if variable == IMPULSE else ordinate(some, variable, exponent))
+        axes.set_ylabel(ordinate_of_panel(some, variable, exponent))
         if axes is panels[0]:
             entitle(axes, stop or where(some, variable))
         else:

@@ -25,7 +25,7 @@ from lapjoint.figures.sweep_axes import (
     short_name,
     units,
 )
-from lapjoint.figures.sweep_variables import IMPULSE, curves, exponent_of, ordinate, where
+from lapjoint.figures.sweep_variables import IMPULSE, curves, exponent_of, ordinate_of_panel, where
 from lapjoint.figures.text import apart, literal, shortened, wrapped
 from lapjoint.files.flags import flag_names
 from lapjoint.problem import FloatArray
@@ -94,7 +94,7 @@ def plot_curve_wide(dataset: xr.Dataset, *, variable: str = IMPULSE, limits: Seq
         [name or where(dataset, variable) for name, _ in lines],
         lambda name: shortened(name, _NAME_ROOM, STYLE["font.size"]),
     )
-    label = "impulse [N s]" if variable == IMPULSE else ordinate(dataset, variable)
+    label = ordinate_of_panel(dataset, variable)
     exponent = exponent_of(variable, dataset)
     drawn_limits = [] if as_map else [limit_text(dataset, variable, limit, exponent) for limit in limits]
     for stop, axes in enumerate(panels[:-1]):

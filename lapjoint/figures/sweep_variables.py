@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,8 @@ _NAMES = {
     "largest_range": "largest stress range",
 }
 _KINDS = {"peak": "largest", "rms": "RMS of"}
+_BESIDE_PANEL = 18
+"""Largest number of characters in a line of a label beside a panel of 1.15 inches."""
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
 _PLAIN = 0.1, 1e4
 """Bounds of the largest magnitude of a variable between which its unit has no prefix."""
@@ -67,6 +70,11 @@ def ordinate(dataset: xr.Dataset, variable: str, exponent: int | None = None) ->
     text = _NAMES.get(variable) or f"{_KINDS[kind]} {quantity.replace('_', ' ')}"
     unit = unit_of(dataset, variable, exponent)
     return literal(text if unit == "1" else f"{text} [{unit}]")
+
+
+def ordinate_of_panel(dataset: xr.Dataset, variable: str, exponent: int | None = None) -> str:
+    """The same for a low panel of a stop, beside which a long name takes several lines."""
+    return "impulse [N s]" if variable == IMPULSE else fill(ordinate(dataset, variable, exponent), _BESIDE_PANEL)
 
 
 def unit_of(dataset: xr.Dataset, variable: str, exponent: int | None = None) -> str:

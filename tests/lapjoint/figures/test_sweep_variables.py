@@ -16,7 +16,7 @@ from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.figures import in_hertz, plot_curve, plot_curve_wide
 from lapjoint.figures.sweep_axes import axis_label
 from lapjoint.figures.sweep_variables import curves, drawable, ordinate
-from lapjoint.summaries.of_orbit import SUMMARIES
+from lapjoint.summaries.of_orbit import OF_STOPS, SUMMARIES
 
 NAMES = ("stress_peak", "displacement_rms", "force_peak", "contact_time")
 
@@ -82,6 +82,19 @@ def test_every_summary_has_a_label(curve: xr.Dataset) -> None:
         text = ordinate(curve.assign({name: values}), name)
         assert "_" not in text
         assert text[0].isalpha()
+
+
+@pytest.mark.parametrize("name", ["equivalent_range", "received_power", "absolute_acceleration_peak"])
+def test_a_long_label_fits_beside_the_panels_of_a_wide_figure(curve: xr.Dataset, name: str) -> None:
+    like = curve.force_peak if name in OF_STOPS else curve.stress_peak
+    panel = plot_curve_wide(curve.assign({name: like.assign_attrs(units="m s-2")}), variable=name)[0]
+    figure = panel.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()
+    label = panel.yaxis.label.get_window_extent()
+    assert label.y0 >= figure.bbox.y0
+    assert label.y1 <= figure.bbox.y1
+    assert label.x0 >= figure.bbox.x0
 
 
 def test_what_is_not_there_is_refused_by_name(curve: xr.Dataset, file: Path) -> None:
