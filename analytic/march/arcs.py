@@ -175,8 +175,8 @@ class JointArcs:
 def _known_sequence(known: KnownStates, sequence: ContactSequence) -> _FlatSequence | None:
     """A sequence in flat form, in tables that begin with known states; None if one of its switches is unknown."""
     states, stops = sequence.states, sequence.stops
-    switches = {(new if stop in old else old, stop) for old, new, stop in zip(states, states[1:], stops, strict=False)}
-    if sequence.first not in known.slots or not switches.issubset(known.switches):
+    switches = zip(states, stops, strict=False)
+    if sequence.first not in known.slots or not set(switches).issubset(known.switches):
         return None
     return _flattened([known.slots[state] for state in states], sequence)
 

@@ -41,7 +41,7 @@ from analytic.march.oscillator import (
     may_resonate,
     static_answer,
 )
-from analytic.march.tables import IntArray, Tables, stop_positions, tabulated_steps
+from analytic.march.tables import IntArray, Tables, moves_stops, seen_motion, stop_positions, tabulated_steps
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.machine.result_cache import cached
@@ -59,8 +59,8 @@ number of the eigenvectors becomes the inverse of that, and rounding times this 
 _NEARLY_DOUBLE = _LITTLE**-0.5
 """Condition number of the eigenvectors above which the damping is changed a little."""
 SAMPLED = 1j
-"""The time derivative of a sampled load, as that of a harmonic is i omega: of two numbers for a sampled load, the real
-part is that of the load, the imaginary part that of its rate."""
+"""The turning of a sampled load, as that of a harmonic is i Omega: of two numbers for a sampled load, the real part is
+that of the load, the imaginary part that of its rate."""
 _TRIES = 8  # most such changes, each twice the one before
 _PASSAGES = 1024  # maps kept: a state has twice as many passages as without damping
 _STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_state`
@@ -68,7 +68,12 @@ _STATES = 256  # states whose oscillators are kept, as in `analytic.march.modal_
 
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """The oscillators of a coupled state with ``N`` modes, under loads of real size."""
+    """The oscillators of a coupled state with ``N`` modes, under unit loads.
+
+    What a load does is a polynomial in its turning s, the time derivative of the load divided by the load, 1/s: 0 for
+    the constant load, i Omega for a harmonic, and `SAMPLED` for a sampled load.  `lag`, `carried`, `push` and `beside`
+    hold the coefficients of 1, s and, in `push`, s^2.
+    """
 
     roots: ComplexArray
     """lambda of both roots of each oscillator, 1/s, shape ``(N, 2)``."""
@@ -78,16 +83,20 @@ class Coupled:
     """T: (q, v) for unit (P, R), shape ``(2 N, 2 N)``."""
     back: FloatArray
     """The inverse of T."""
-    lag: ComplexArray
-    """r of each load, kg^1/2 m/s, shape ``(1 + H + R, N)``; that of a sampled load's rate in the imaginary part."""
-    carried: ComplexArray
+    lag: FloatArray
+    """r, kg^1/2 m/s for each unit of load, shape ``(2, 1 + H + R, N)``."""
+    carried: FloatArray
     """`lag` without the rates of sampled loads, which jump at knots: a march along ramps carries V less their part of r
     from segment to segment, see `analytic.march.ramps`."""
-    push: ComplexArray
-    """F of each load, kg^1/2 m/s^2, shape ``(1 + H + R, N)``, as `lag`; the rate of a sampled load's rate adds its
-    `lag`."""
+    push: FloatArray
+    """F, kg^1/2 m/s^2 for each unit of load, shape ``(3, 1 + H + R, N)``; the rate of a sampled load's rate, which is
+    not s^2 times the load, adds its `lag`."""
+    beside: FloatArray
+    """What the places see beside P and V, m for each unit of load, shape ``(2, U, 1 + H + R)``."""
     D: FloatArray
     """The damping matrix of the modes, 1/s, shape ``(N, N)``."""
+    resonant: bool
+    """Whether `coupled` may move a root."""
 
     @property
     def damping(self) -> FloatArray:
@@ -240,69 +249,85 @@ def free_oscillators(
 
 
 @cached(_PASSAGES)
-def whole_map(loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int) -> FloatArray:
-    """The map of the coordinates from one state to another, ``(2 N_new, 2 N_old)``, of which either may be coupled."""
-    S = np.eye(n_new, n_old)
-    if old.closed != new.closed:
-        S = passage(loaded, old.pressed, n_old, new.pressed, n_new).S
-    both = scipy.linalg.block_diag(S, S)
-    if is_coupled(loaded.problem, old):
-        both = both @ free_oscillators(loaded, old, n_old)[1]
-    if is_coupled(loaded.problem, new):
-        both = free_oscillators(loaded, new, n_new)[2] @ both
-    return np.asarray(both)
+def whole_passage(
+    loaded: LoadedStructure, old: ContactState, n_old: int, new: ContactState, n_new: int
+) -> tuple[FloatArray, FloatArray]:
+    """The map of the coordinates from one state to another, ``(2 N_new, 2 N_old)``, of which either may be coupled.
 
-
-def coupled(
-    loaded: LoadedStructure,
-    state: ContactState,
-    count: int,
-    left_out: FloatArray,
-    sizes: FloatArray,
-    turning: ComplexArray,
-    sampled: int,
-    moved: bool,
-    side: float,
-) -> Coupled:
-    """The oscillators of a state with `count` modes under loads of `sizes`, ``(1 + H + R,)``.
-
-    `left_out`, m, ``(1 + H + R, P)``, is what the gaps see beside the modes, see `Joint.left_out`; `turning` is
-    `Joint.turning`, and the last `sampled` loads are sampled.  `moved` says that the last load moves stops; a motion
-    that no spring holds does not feel it.  `side` is as in `analytic.march.oscillator.away_from_resonance`.
+    Beside it the part that unit loads bring, ``(2, 1 + H + R, 2 N_new)``: coefficients as in `Coupled`.
     """
+    S, left_out = np.eye(n_new, n_old), np.zeros((1 + len(loaded.positions), n_new))
+    if old.closed != new.closed:
+        between = passage(loaded, old.pressed, n_old, new.pressed, n_new)
+        S, left_out = between.S, between.residual
+    both, still = scipy.linalg.block_diag(S, S), np.zeros_like(left_out)
+    load = np.array([np.concatenate(parts, axis=1) for parts in ((left_out, still), (still, left_out))])
+    if is_coupled(loaded.problem, old):
+        before = coupled_at_rest(loaded, old, n_old)
+        load -= before.carried @ (before.to[:, n_old:].T @ both.T)
+        both = both @ before.to
+    if is_coupled(loaded.problem, new):
+        after = coupled_at_rest(loaded, new, n_new)
+        both, load = after.back @ both, load @ after.back.T
+        load[..., n_new:] += after.carried
+    return np.asarray(both), load
+
+
+def coupled(loaded: LoadedStructure, state: ContactState, count: int, driven: FloatArray, side: float) -> Coupled:
+    """The oscillators of a state with `count` modes, for harmonic loads of frequencies `driven`, rad/s, ``(H,)``.
+
+    `side` is as in `analytic.march.oscillator.away_from_resonance`.
+    """
+    it = coupled_at_rest(loaded, state, count)
+    if not it.resonant:
+        return it
+    roots = _detuned(it.roots, driven, side)
+    return it if np.array_equal(roots, it.roots) else _coupled(loaded, state, count, roots)
+
+
+@cached(_STATES)
+def coupled_at_rest(loaded: LoadedStructure, state: ContactState, count: int) -> Coupled:
+    """The oscillators of a state none of which a load has moved; not to be written to."""
+    return _coupled(loaded, state, count, free_oscillators(loaded, state, count)[0])
+
+
+def _coupled(loaded: LoadedStructure, state: ContactState, count: int, roots: ComplexArray) -> Coupled:
+    """The oscillators of a state with given roots, 1/s, ``(N, 2)``."""
     problem, closed, n = loaded.problem, ContactState(state.closed), count
     modal = modal_state(loaded, closed, count)
-    f = (modal.force * sizes[:, None]).astype(complex)
+    left_out = modal.residual_at_stops + seen_motion(loaded)
+    f = np.array([modal.force, np.zeros_like(modal.force)])
     if problem.structure.couples:
-        f -= turning[:, None] * drag_of(loaded, closed, count).left_out * sizes[:, None]
+        f[1] -= drag_of(loaded, closed, count).left_out
     for k in state.closed:
         stop, phi = problem.structure.stops[k], modal.at_stops[k]
         if k in state.released:
-            f += stop.stiffness * np.outer(left_out[:, k], phi)
-            f[0] -= stop.stiffness * stop.sign * stop.gap * phi
+            f[0] += stop.stiffness * np.outer(left_out[:, k], phi)
+            f[0, 0] -= stop.stiffness * stop.sign * stop.gap * phi
         elif stop.damping > 0:
-            f -= stop.damping * np.outer(turning * left_out[:, k], phi)
-    free, to, back, D = free_oscillators(loaded, state, count)
-    roots = _detuned(free, turning[1 : turning.size - sampled].imag, side)
-    by = frame(loaded, state, count) if roots is free else _frame_of(loaded, state, count, roots, to)
-    lag, rise = (np.asarray(f @ part.T, dtype=complex) for part in (back[:n, n:], back[n:, n:]))
-    if moved:
-        lag[-1], rise[-1] = (part[-1] * np.any(roots != 0, axis=1) for part in (lag, rise))
-    push = rise - roots.sum(axis=1).real * lag + turning[:, None] * lag
-    push[turning.size - sampled :] += lag[turning.size - sampled :].imag  # the rate of the rate is not minus the load
-    if moved:
-        push[-1].real[roots.prod(axis=1) == 0] = 0.0
+            f[1] -= stop.damping * np.outer(left_out[:, k], phi)
+    _, to, back, D = free_oscillators(loaded, state, count)
+    by = _frame_of(loaded, state, count, roots, to)
+    lag, rise = f @ back[:n, n:].T, f @ back[n:, n:].T
+    moved, sampled = moves_stops(loaded), np.arange(modal.force.shape[0]) > len(loaded.positions) - loaded.sampled
+    adrift = (roots == 0).all(axis=1)  # a motion that no spring holds does not feel that stops move
+    lag[:, np.outer(moved, adrift)] = rise[:, np.outer(moved, adrift)] = 0.0
+    push = np.zeros((3, *lag.shape[1:]))
+    push[:2] = rise - roots.sum(axis=1).real * lag
+    push[1:] += lag
+    push[0, np.outer(moved, roots.prod(axis=1) == 0)] = 0.0
     carried = lag.copy()
-    carried[turning.size - sampled :] = lag[turning.size - sampled :].real
-    return Coupled(roots, by, to, back, lag, carried, push, D)
+    push[2, sampled] = carried[1, sampled] = 0.0
+    seen = left_out[:, _of_places(problem)].T
+    beside = np.array([seen, by.delay[:, None] * seen]) - by.reads[:, 1] @ lag.transpose(0, 2, 1)
+    ringing = roots[roots.imag[:, 0] > 0, 0]
+    return Coupled(roots, by, to, back, lag, carried, push, beside, D, may_resonate(np.abs(ringing), -ringing.real))
 
 
 def _detuned(roots: ComplexArray, driven: FloatArray, side: float) -> ComplexArray:
     """Roots, ``(N, 2)``, of which those without damping are kept away from the loads' frequencies, rad/s, ``(H,)``."""
     rings = np.flatnonzero(roots.imag[:, 0] > 0)
     natural, rate = np.abs(roots[rings, 0]), -roots[rings, 0].real
-    if not may_resonate(natural, rate):
-        return roots
     moved = all_away_from_resonance(natural, rate, driven, side)
     found, which = roots.copy(), moved != natural
     turn = 1j * np.sqrt(moved[which] ** 2 - rate[which] ** 2)
@@ -333,13 +358,6 @@ class Frame(NamedTuple):
     """Weight of the second copy of each term, or 0, kg^-1/2, shape ``(U, T)``."""
     delay: FloatArray
     """c / k of the places that forces see, and 0 of the others, s, shape ``(U,)``."""
-
-
-@cached(_STATES)
-def frame(loaded: LoadedStructure, state: ContactState, count: int) -> Frame:
-    """The frame of a state whose oscillators no load has moved; not to be written to."""
-    roots, to, _, _ = free_oscillators(loaded, state, count)
-    return _frame_of(loaded, state, count, roots, to)
 
 
 def _frame_of(loaded: LoadedStructure, state: ContactState, count: int, roots: ComplexArray, to: FloatArray) -> Frame:
@@ -375,13 +393,6 @@ def _of_places(problem: Problem) -> IntArray:
     return np.concatenate([np.unique(stop_positions(problem), return_index=True)[1], damped_rows(problem)])
 
 
-def beside(problem: Problem, it: Coupled, left_out: FloatArray, turning: ComplexArray) -> ComplexArray:
-    """What each load adds at the places, m, ``(U, 1 + H + R)``; arguments are as in `coupled`."""
-    reads, tau = it.frame.reads, it.frame.delay
-    seen = left_out[:, _of_places(problem)].T * (1 + tau[:, None] * turning)
-    return np.asarray(seen - reads[:, 1] @ it.lag.T)
-
-
 def _condition(roots: ComplexArray, to: FloatArray, scale: FloatArray) -> float:
     """Condition number of the eigenvectors, without unit: that of T in coordinates of one size, times the most that the
     two eigenvectors of an oscillator add to it, the larger root over half of the difference."""
@@ -393,16 +404,8 @@ def _condition(roots: ComplexArray, to: FloatArray, scale: FloatArray) -> float:
     return float(np.linalg.cond(sized) / apart.min(initial=1.0))
 
 
-def write_coupled(
-    tables: Tables,
-    slot: int,
-    problem: Problem,
-    state: ContactState,
-    left_out: FloatArray,
-    it: Coupled,
-    turning: ComplexArray,
-) -> None:
-    """Write a coupled state, under loads of real size, into its empty slot; arguments are as in `coupled`."""
+def write_coupled(tables: Tables, slot: int, problem: Problem, state: ContactState, it: Coupled) -> None:
+    """Write a coupled state into its empty slot, but for what it owes to loads that change with time."""
     P, by = len(problem.structure.stops), it.frame
     n, terms = by.kind.size, by.root.size
     tables.modes[slot], tables.terms[slot], tables.own[slot] = n, terms, by.own
@@ -411,16 +414,8 @@ def write_coupled(
     tables.inverse[slot, :terms], tables.turn[slot, :, :terms] = by.inverse, by.turn
     tables.gradient[slot, :, :, :n] = by.reads
     tables.weight[slot, :, :terms], tables.twist[slot, :, :terms] = by.weight, by.twist
-    stiffness, damping = it.stiffness, it.damping
-    tables.static[slot, :n] = static_answer(it.push[0].real, np.sqrt(stiffness), damping / 2)
-    tables.push[slot, :, :n] = it.push
-    omega = tables.omega[:, None]
-    answers = it.push[1 : 1 + omega.size] / (stiffness - omega**2 + 1j * omega * damping)
-    tables.harmonic[slot, :, :n] = answers
-    still = beside(problem, it, left_out, turning)
-    tables.constant[slot] = still[:, 0].real
-    tables.forced[slot] = still[:, 1 : 1 + omega.size] + by.reads[:, 0] @ answers.T
-    tables.forced[slot] += by.reads[:, 1] @ (1j * omega * answers).T
+    tables.static[slot, :n] = static_answer(it.push[0, 0], np.sqrt(it.stiffness), it.damping / 2)
+    tables.constant[slot] = it.beside[0, :, 0]
     tables.closed[slot, :P] = [k in state for k in range(P)]
     for row, k in enumerate(damped_rows(problem).tolist(), start=P):
         tables.closed[slot, row] = k in state and k not in state.released

@@ -20,12 +20,12 @@ from analytic.march.coupled import (
     coupled,
     force_rows,
     is_coupled,
-    whole_map,
+    whole_passage,
     write_coupled,
     write_still,
 )
 from analytic.march.known_states import KnownStates, memory_of
-from analytic.march.loads import MOVED_STOPS, Excitation, excitation_of
+from analytic.march.loads import Excitation, excitation_of
 from analytic.march.modal_state import LoadedStructure, ModalState, Passage, loaded_structure, modal_state, passage
 from analytic.march.oscillator import ABOVE
 from analytic.march.room import grown, with_spare
@@ -33,16 +33,21 @@ from analytic.march.tables import (
     FlatState,
     IntArray,
     Tables,
-    Unscaled,
-    connect,
-    copied,
     count_in,
     fill,
     flat_state,
     known_switches,
+    seen_motion,
+    switch_of,
+)
+from analytic.march.unit_tables import (
+    Unscaled,
+    connect,
+    copied,
+    empty_turning,
     owned,
     scale,
-    seen_motion,
+    scale_coupled,
     unit_tables,
 )
 from analytic.modes.beam_functions import ComplexArray
@@ -53,7 +58,6 @@ from lapjoint.problem import FloatArray, Problem
 
 _FEW_POSITIONS, _MOST_KEPT = 64, 256
 """Largest number of positions for which shapes are kept, and largest number of kept shapes: 3 MB with 20 modes."""
-_NONE_KNOWN = KnownStates()  # what a joint with damped stops begins with: its states depend on the excitation
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,12 +101,12 @@ class Joint:
             driven.excitation.period,
         )
         """See `analytic.march.loads.Excitation`."""
-        self.sampled = self.sizes.size - 1 - self.harmonics.omega.size
+        self.sampled = self.loaded.sampled
         """Number of sampled loads."""
         self.damped = self.loaded.problem.structure.couples or self.loaded.damped
         """Whether damping couples the modes of a state; see `analytic.march.coupled`."""
         self.turning = np.concatenate([[0.0], 1j * self.harmonics.omega, np.full(self.sampled, SAMPLED)])
-        """The time derivative of each load divided by it, 1/s, shape ``(1 + H + R,)``; see `SAMPLED`."""
+        """The turning of each load, 1/s, shape ``(1 + H + R,)``; see `analytic.march.coupled.Coupled`."""
         self._coupled: dict[tuple[ContactState, int], Coupled] = {}
         self._memory = memory_of(self.loaded, self.counts)
         self._flat: dict[ContactState, FlatState] = {}
@@ -110,7 +114,7 @@ class Joint:
         self._changes: dict[str, ExcitationChange | None] = dict(driven.excitation.changes)
         self.tables: Tables
         self._borrows: bool
-        self.known = _NONE_KNOWN if self.damped else self._memory.known
+        self.known = self._memory.known
         """The states and switches that the tables have from the start, in slots of that order."""
         self._fill_known(self.known)
 
@@ -145,25 +149,25 @@ class Joint:
 
     def left_out(self, state: ContactState) -> FloatArray:
         """What the gaps see beside the modes under each load, m, ``(1 + H + R, P)``: residual shapes, and the base."""
-        return self._seen_beside(self.modal(state))
-
-    def _seen_beside(self, modal: ModalState) -> FloatArray:
-        """`left_out` of a state in modal form."""
-        return np.asarray((modal.residual_at_stops + seen_motion(self.loaded)) * self.sizes[:, None])
+        seen = self.modal(state).residual_at_stops + seen_motion(self.loaded)
+        return np.asarray(seen * self.sizes[:, None])
 
     def coupled(self, state: ContactState, count: int | None = None) -> Coupled | None:
-        """The oscillators of a state whose modes are coupled, of its own or another `count` of modes; None of any
-        other state."""
+        """The oscillators of a state whose modes are coupled, of its own or another `count` of modes, for unit loads;
+        None of any other state."""
         if not self.damped or not is_coupled(self.loaded.problem, state):
             return None
         count = count or self.count(state)
         found = self._coupled.get((state, count))
         if found is None:
-            modal = modal_state(self.loaded, ContactState(state.closed), count)
-            moved = self.sampled > 0 and self.loaded.positions[-1] == MOVED_STOPS
-            loads = self._seen_beside(modal), self.sizes, self.turning, self.sampled, moved
-            found = self._coupled[state, count] = coupled(self.loaded, state, count, *loads, self.side)
+            found = coupled(self.loaded, state, count, self.harmonics.omega, self.side)
+            self._coupled[state, count] = found
         return found
+
+    def of_loads(self, parts: FloatArray) -> ComplexArray:
+        """What each load does at its real size, ``(1 + H + R, ...)``; `parts` are coefficients as in `Coupled`."""
+        powers = self.turning ** np.arange(parts.shape[0])[:, None]
+        return np.asarray(np.einsum("pl,pl...->l...", powers * self.sizes, parts))
 
     def residual(self, state: ContactState) -> Residual:
         """The residual shapes, m, of the 1 + H + R loads at their real size; the constant load is first."""
@@ -200,20 +204,8 @@ class Joint:
 
         Either state may be coupled: (q, v) are then (P, V) of `analytic.march.coupled`.
         """
-        n_old, n_new = self.count(old), self.count(new)
-        if old.closed == new.closed:
-            left_out = np.zeros((self.turning.size, n_new))
-        else:
-            left_out = self.passage(old.pressed, new.pressed).residual
-        both = whole_map(self.loaded, old, n_old, new, n_new)
-        load = np.concatenate([left_out, self.turning[:, None] * left_out], axis=1)
-        before, after = self.coupled(old), self.coupled(new)
-        if after is not None:
-            load = load @ after.back.T
-            load[:, n_new:] += after.carried
-        if before is not None:
-            load = load - before.carried @ both[:, n_old:].T
-        return both, load
+        whole, load = whole_passage(self.loaded, old, self.count(old), new, self.count(new))
+        return whole, self.of_loads(load)
 
     def from_modes(self, state: ContactState, q: FloatArray, v: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
         """Coordinates of a state from displacements and velocities of its modes, ``(N,)``, at the time `t`, s."""
@@ -234,8 +226,9 @@ class Joint:
         y = it.to @ np.concatenate([P, V - self.lags(it.carried, np.array([t]))[:, 0]])
         return y[: P.size], y[P.size :]
 
-    def lags(self, lag: ComplexArray, t: FloatArray, dt: int = 0) -> FloatArray:
+    def lags(self, parts: FloatArray, t: FloatArray, dt: int = 0) -> FloatArray:
         """The dt-th derivative of r at times ``(m,)``, from `lag` or `carried` of `Coupled`: ``(N, m)``."""
+        lag = self.of_loads(parts)
         omega, H = self.harmonics.omega[:, None], self.harmonics.omega.size
         waves = (1j * omega) ** dt * np.exp(1j * (omega * t + self.harmonics.phase[:, None]))
         found = (lag[1 : 1 + H].T @ waves).imag + (lag[0].real[:, None] if dt == 0 else 0.0)
@@ -281,30 +274,20 @@ class Joint:
     def connect(self, slot: int, stop: int) -> None:
         """Write the switch of a stop from the state in a slot, and the reverse switch, to the tables."""
         self._own()
-        old = self._states[slot]
-        new = old.toggled(self.index_of(stop))
-        target, row = self.slot(new), known_switches(self.tables)
-        if row + 2 > self.tables.carry.shape[0]:
-            self._grow(self.tables.modes.size, with_spare(row))
-        if self.damped:
-            self._connect_whole(slot, target, stop, row)
-            return
-        connect(self.tables, self.loaded, self.counts, stop, (slot, old), (target, new))
-        self.tables.carry_residual[row : row + 2] *= self.sizes[:, None]
-        self._memory.known = self._memory.known.and_of(old, stop)
-
-    def index_of(self, row: int) -> int:
-        """The index of `ContactState.toggled` of a switch of a row of the tables."""
-        owner = -1 if self.tables.owner is None else int(self.tables.owner[row])
-        return row if owner < 0 else ~owner
-
-    def _connect_whole(self, slot: int, target: int, stop: int, row: int) -> None:
-        """`connect` for a joint with damped stops: the switch of a row of the tables alone, to its row of switches."""
-        whole, load = self.whole_passage(self._states[slot], self._states[target])
-        n_new, n_old = whole.shape[0] // 2, whole.shape[1] // 2
-        self.tables.whole[row, :, :n_new, :, :n_old] = whole.reshape(2, n_new, 2, n_old)
-        self.tables.whole_load[row, :, :, :n_new] = load.reshape(-1, 2, n_new)
-        self.tables.next_slot[slot, stop], self.tables.passage[slot, stop] = target, row
+        old, taken = self._states[slot], known_switches(self.tables)
+        new = old.toggled(switch_of(self.tables, stop))
+        self.slot(new)
+        both = [(old, new)] if self.damped else [(old, new), (new, old)]
+        if taken + len(both) > self.tables.carry.shape[0]:
+            self._grow(self.tables.modes.size, with_spare(taken))
+        for row, states in enumerate(both, start=taken):
+            turning = empty_turning(self.tables, 0, 1)
+            slots = self._slots[states[0]], self._slots[states[1]]
+            connect(self.tables, turning.passed[0], self.loaded, self.counts, stop, slots, states)
+            self.tables.carry_residual[row] *= self.sizes[:, None]
+            if self.damped:
+                scale_coupled(self.tables, 0, row, turning, self.sizes, self.turning)
+        self._memory.known = self._memory.known.and_of(*((before, stop, after) for before, after in both))
 
     def _own(self) -> None:
         """Make all arrays of the tables the joint's own, before they are written to."""
@@ -318,34 +301,32 @@ class Joint:
         self.tables = copied(unit, self.harmonics, self.sizes)
         self._borrows = True
         self._scale(unit.borrowed, 0, unit.unscaled)
+        if self.damped:
+            scale_coupled(self.tables, 0, 0, unit.turning, self.sizes, self.turning)
+            for slot in range(len(known.states)) if unit.resonant else ():
+                self._fill(slot)
 
     def _grow(self, slots: int, switches: int) -> None:
         self._own()
-        if self.damped:
-            before = self._memory.room
-            slots, switches = self._memory.room = max(slots, before[0]), max(switches, before[1])
         self.tables = grown(self.tables, slots, switches)
 
     def _fill(self, slot: int) -> None:
-        """Fill in a state that is met for the first time."""
+        """Fill in a state that is met for the first time, or whose modes are kept away from the loads' frequencies."""
         self._own()
         state, size = self._states[slot], max(self.counts)
-        it = self.coupled(state)
-        if it is not None:
-            write_coupled(self.tables, slot, self.loaded.problem, state, self.left_out(state), it, self.turning)
-            write_still(self.tables, slot)
-            return
-        flat = self.flat(state)
-        fill(self.tables, slot, flat)
-        left_out = np.zeros((1, self.tables.constant.shape[1], self.sizes.size))
-        left_out[0, : flat.residual.shape[0]] = flat.residual
-        unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), left_out)
-        n = flat.omega.size
-        unscaled.natural[0, :n], unscaled.damping_rate[0, :n] = flat.omega, flat.damping_rate
-        self._scale(self.tables, slot, unscaled)
+        it, turning = self.coupled(state), empty_turning(self.tables, 1, 0)
+        if it is None:
+            fill(self.tables, slot, self.flat(state))
+            residual = np.zeros((1, self.tables.constant.shape[1], self.sizes.size))
+            unscaled = Unscaled(np.zeros((1, size)), np.zeros((1, size)), residual)
+            unscaled.write(0, self.flat(state))
+            self._scale(self.tables, slot, unscaled)
+        else:
+            write_coupled(self.tables, slot, self.loaded.problem, state, it)
+            turning.write(0, it)
         if self.damped:
-            self.tables.push[slot] = self.tables.force[slot]
             write_still(self.tables, slot)
+            scale_coupled(self.tables, slot, 0, turning, self.sizes, self.turning)
 
     def _scale(self, unit: Tables, first: int, unscaled: Unscaled) -> None:
         """Scale the slots from the `first` on to the excitation; see `analytic.march.tables.scale`."""

@@ -23,20 +23,18 @@ class KnownStates:
     states: tuple[ContactState, ...] = ()
     """The contact states, sorted."""
     switches: tuple[tuple[ContactState, int], ...] = ()
-    """Contact state with the stop open, and the stop, of each switch, sorted; each switch stands for both
-    directions."""
+    """Contact state before the switch, and the row of the tables that switches, of each switch, sorted."""
 
     @cached_property
     def slots(self) -> dict[ContactState, int]:
         """The number of each state; not to be written to."""
         return {state: slot for slot, state in enumerate(self.states)}
 
-    def and_of(self, old: ContactState, stop: int) -> KnownStates:
-        """These states and switches, with the switch of a stop from `old`, and the states before and after it,
-        added."""
-        new = old.toggled(stop)
-        opened = new if stop in old else old
-        return KnownStates(tuple(sorted({*self.states, old, new})), tuple(sorted({*self.switches, (opened, stop)})))
+    def and_of(self, *switches: tuple[ContactState, int, ContactState]) -> KnownStates:
+        """These states and switches with further ones: the state before, the row, and the state after."""
+        states = {*self.states, *(state for old, _, new in switches for state in (old, new))}
+        rows = {*self.switches, *((old, row) for old, row, _ in switches)}
+        return KnownStates(tuple(sorted(states)), tuple(sorted(rows)))
 
 
 class Memory:
@@ -46,8 +44,6 @@ class Memory:
         self.known = KnownStates()
         """Replaced as a whole, so a thread reads either the old ones or the new ones.  Of two threads that add to it at
         once one may lose its addition: then that state is met again, which costs time and changes no bit."""
-        self.room = 0, 0
-        """Slots, and rows for switches, that the tables of joints with damped stops have grown to."""
 
 
 @lru_cache(maxsize=_KEPT)

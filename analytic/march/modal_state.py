@@ -55,6 +55,8 @@ class LoadedStructure:
     positions: Positions
     """Positions of the ``H`` harmonic loads, of which moved stops are the last, and then of the sampled loads, of which
     stops that a recorded or random base moves are the last."""
+    sampled: int
+    """Number ``R`` of sampled loads."""
 
     @cached_property
     def damped(self) -> bool:
@@ -62,7 +64,7 @@ class LoadedStructure:
         return any(stop.damping > 0 for stop in self.problem.structure.stops)
 
     def __reduce__(self) -> tuple[object, ...]:
-        return loaded_structure, (self.problem, self.positions)
+        return _loaded_structure, (self.problem.structure, self.problem.forces.constant, self.positions, self.sampled)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,29 +118,24 @@ class Passage:
     """S0 first, then Sh, kg^1/2 m for each unit of load, shape ``(1 + H, N_new)``."""
 
 
-def loaded_structure(problem: Problem, positions: Positions | None = None) -> LoadedStructure:
-    """The loaded structure of a problem; problems that share it get the same object while it is cached.
-
-    `positions` says where the loads that are not constant act, m, or None for a uniform load; the default is the
-    positions of the problem's loads.
-    """
-    if positions is None:
-        forces, moved = problem.forces, (MOVED_STOPS,) * len(problem.moved_stops)
-        seen = () if forces.seen is None else (MOVED_STOPS,)
-        positions = (*(it.shape for it in forces.harmonic), *moved, *(it.shape for it in forces.sampled), *seen)
-    at_points = [load.shape for load in problem.forces.harmonic if not load.of_base]
-    at_points += [load.shape for load in problem.forces.sampled]
+def loaded_structure(problem: Problem) -> LoadedStructure:
+    """The loaded structure of a problem; problems that share it get the same object while it is cached."""
+    forces = problem.forces
+    sampled = (*(it.shape for it in forces.sampled), *(() if forces.seen is None else (MOVED_STOPS,)))
+    positions = (*(it.shape for it in forces.harmonic), *(MOVED_STOPS for _ in problem.moved_stops), *sampled)
+    at_points = [load.shape for load in forces.harmonic if not load.of_base]
+    at_points += [load.shape for load in forces.sampled]
     # Loads that change with time act at nodes, too: there they are constant loads of size 0.
-    constant = (*problem.forces.constant, *(ConstantForce(shape, 0.0) for shape in dict.fromkeys(at_points)))
-    return _loaded_structure(problem.structure, constant, positions)
+    constant = (*forces.constant, *(ConstantForce(shape, 0.0) for shape in dict.fromkeys(at_points)))
+    return _loaded_structure(problem.structure, constant, positions, len(sampled))
 
 
 @lru_cache(maxsize=_STRUCTURES)
 def _loaded_structure(
-    structure: Structure, constant: tuple[ConstantForce, ...], positions: Positions
+    structure: Structure, constant: tuple[ConstantForce, ...], positions: Positions, sampled: int
 ) -> LoadedStructure:
-    """A structure with constant loads, and the positions of the other loads."""
-    return LoadedStructure(resting(structure, constant), positions)
+    """A structure with constant loads, and the positions of the other loads, of which the last are sampled."""
+    return LoadedStructure(resting(structure, constant), positions, sampled)
 
 
 @cached(_STATES)

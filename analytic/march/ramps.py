@@ -27,7 +27,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from analytic.march.coupled import beside
 from analytic.march.joint import Joint
 from analytic.march.oscillator import OSCILLATING
 from analytic.march.tables import BoolArray, IntArray
@@ -202,8 +201,8 @@ def _pushed(joint: Joint, slot: int, state: ContactState) -> _Pushed:
     tables, L, it = joint.tables, joint.sampled, joint.coupled(state)
     n, U = int(tables.modes[slot]), tables.weight.shape[1]
     if it is not None:
-        rest = beside(joint.loaded.problem, it, joint.left_out(state), joint.turning)
-        return _Pushed(it.push[-L:], it.lag[-L:].imag, it.push[0].real, it.frame.reads, rest[:, -L:])
+        force, rest = joint.of_loads(it.push)[-L:], joint.of_loads(it.beside.transpose(0, 2, 1))[-L:].T
+        return _Pushed(force, it.lag[1, -L:], it.push[0, 0], it.frame.reads, rest)
     flat, reads, rest = joint.flat(state), np.zeros((U, 2, n)), np.zeros((U, L), dtype=complex)
     reads[:, 0] = tables.weight[slot, :, :n]
     rest[: flat.residual.shape[0]] = flat.residual[:, -L:]

@@ -16,16 +16,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from analytic.march.known_states import KnownStates
 from analytic.march.loads import MOVED_STOPS, Harmonics
-from analytic.march.modal_state import LoadedStructure, modal_state, passage
+from analytic.march.modal_state import LoadedStructure, modal_state
 from analytic.march.oscillator import (
-    ABOVE,
     SPLIT,
-    away_from_resonance,
-    forced_answer,
     kinds_of,
-    may_resonate,
     roots_of,
     static_answer,
 )
@@ -247,86 +242,25 @@ def stop_positions(problem: Problem) -> IntArray:
     return np.array([places.index(stop.place) for stop in problem.structure.stops], dtype=np.int64)
 
 
+def moves_stops(loaded: LoadedStructure) -> BoolArray:
+    """Whether each load moves the stops that are fixed in space, shape ``(1 + H + R,)``."""
+    return np.array([False, *(shape == MOVED_STOPS for shape in loaded.positions)])
+
+
 def seen_motion(loaded: LoadedStructure) -> FloatArray:
     """The motion of the base that each stop's gap sees, m for each unit of load, shape ``(1 + H + R, P)``."""
-    moved = np.array([False, *(shape == MOVED_STOPS for shape in loaded.positions)])
-    return np.outer(moved, [stop.base_share for stop in loaded.problem.structure.stops])
-
-
-@by_reference
-class Unscaled(NamedTuple):
-    """Quantities of ``S`` states that `scale` needs beside their tables with unit loads."""
-
-    natural: FloatArray
-    """Natural angular frequencies, rad/s, shape ``(S, N)``."""
-    damping_rate: FloatArray
-    """Damping rates zeta omega, 1/s, shape ``(S, N)``."""
-    residual: FloatArray
-    """Residual shapes at the stops' positions, constant one first, m for each unit of load, ``(S, U, 1 + H + R)``."""
-
-
-class UnitTables(NamedTuple):
-    """Known states of a loaded structure with unit loads: ``S`` slots, at most ``N`` modes each."""
-
-    tables: Tables
-    unscaled: Unscaled
-    """What `scale` needs beside `tables`.  As with `borrowed`, the arrays are writable, for compiled functions, and
-    nobody writes to them."""
-    resonant: bool
-    """Whether `scale` may move a mode."""
-    borrowed: Tables
-    """The same arrays as `tables`, for compiled functions, which take writable arrays only.  Nobody writes to them."""
-
-
-@cached(_UNIT_TABLES)
-def unit_tables(loaded: LoadedStructure, counts: tuple[int, int], known: KnownStates) -> UnitTables:
-    """The known states, in sorted order, with the known switches between them, for unit loads; not to be written to."""
-    problem, size, S = loaded.problem, max(counts), len(known.states)
-    harmonics = Harmonics.of_unit_frequency(len(loaded.positions))
-    tables = empty_tables(problem, harmonics, size, S, 2 * len(known.switches))
-    U, loads = tables.constant.shape[1], tables.force.shape[1]
-    borrowed = Tables._make(part.view() if isinstance(part, np.ndarray) else part for part in tables)
-    unscaled = Unscaled(np.zeros((S, size)), np.zeros((S, size)), np.zeros((S, U, loads)))
-    for slot, state in enumerate(known.states):
-        flat = flat_state(loaded, state, count_in(state, counts))
-        fill(tables, slot, flat)
-        n = flat.kind.size
-        unscaled.natural[slot, :n], unscaled.damping_rate[slot, :n] = flat.omega, flat.damping_rate
-        unscaled.residual[slot] = flat.residual
-    for state, stop in known.switches:
-        other = state.toggled(stop)
-        connect(tables, loaded, counts, stop, (known.slots[state], state), (known.slots[other], other))
-    for array in tables:
-        if isinstance(array, np.ndarray):
-            array.flags.writeable = False
-    return UnitTables(tables, unscaled, may_resonate(unscaled.natural, unscaled.damping_rate), borrowed)
-
-
-def connect(
-    tables: Tables,
-    loaded: LoadedStructure,
-    counts: tuple[int, int],
-    stop: int,
-    old: tuple[int, ContactState],
-    new: tuple[int, ContactState],
-) -> None:
-    """Write the switch of a stop between two states, and the way back, for unit loads.
-
-    `tables` have both states, and room for two switches.  `old` and `new` are slot and state, before and after the
-    switch.
-    """
-    for (slot, state), (target, other) in ((old, new), (new, old)):
-        unit = passage(loaded, state, count_in(state, counts), other, count_in(other, counts))
-        n_new, n_old = unit.S.shape
-        row = known_switches(tables)
-        tables.carry[row, :n_new, :n_old] = unit.S
-        tables.carry_residual[row, :, :n_new] = unit.residual
-        tables.next_slot[slot, stop], tables.passage[slot, stop] = target, row
+    return np.outer(moves_stops(loaded), [stop.base_share for stop in loaded.problem.structure.stops])
 
 
 def known_switches(tables: Tables) -> int:
     """Number of switches that the tables know, each direction counted: the number of used rows of `Tables.carry`."""
     return int(np.count_nonzero(tables.passage >= 0))
+
+
+def switch_of(tables: Tables, row: int) -> int:
+    """The index of `ContactState.toggled` of a switch of a row of the tables."""
+    owner = -1 if tables.owner is None else int(tables.owner[row])
+    return row if owner < 0 else ~owner
 
 
 def count_in(state: ContactState, counts: tuple[int, int]) -> int:
@@ -407,93 +341,3 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.asleep[slot, stops:], tables.idle[slot, places:] = True, True
     if tables.owner is not None:
         tables.gradient[slot, :places, 0, :n] = flat.weight[:, :n]
-
-
-def scale(unit: Tables, tables: Tables, first: int, unscaled: Unscaled, sizes: FloatArray, side: float = ABOVE) -> None:
-    """Scale slots from the `first` on to an excitation, and write the answer to its harmonics.
-
-    `unit` has the states, for unit loads, in the same slots, and may be `tables`; `tables`, with the frequencies and
-    phases of the harmonics, are changed.  `sizes`, ``(1 + H + R,)``, are as in `analytic.march.loads.Excitation`, and
-    `side` as in `analytic.march.oscillator.away_from_resonance`.
-    """
-    omega = unscaled.natural.copy()
-    answers = tables.omega, tables.weight, tables.harmonic, tables.forced
-    if _scale(unit.force, tables.force, *answers, first, unscaled.damping_rate, unscaled.residual, omega, sizes, side):
-        for row, i in np.argwhere(omega != unscaled.natural):
-            _move(tables, first + int(row), int(i), omega[row, i : i + 1], unscaled.damping_rate[row, i : i + 1])
-
-
-@njit_called()
-def _scale(
-    unit_force: FloatArray,
-    force: FloatArray,
-    frequency: FloatArray,
-    weight: FloatArray,
-    harmonic: ComplexArray,
-    forced: ComplexArray,
-    first: int,
-    damping_rate: FloatArray,
-    residual: FloatArray,
-    omega: FloatArray,
-    sizes: FloatArray,
-    side: float,
-) -> bool:
-    """`scale`, but for the free motion of moved modes, whose frequencies `omega` takes; whether there are any.
-
-    Sums are formed mode by mode, so that a state has the same bits in any slot.  To hand over these few arrays takes a
-    fifth of the time that all tables would.
-    """
-    moved = False
-    for row in range(omega.shape[0]):
-        slot = first + row
-        for i in range(omega.shape[1]):
-            away = away_from_resonance(omega[row, i], damping_rate[row, i], frequency, side)
-            moved |= away != omega[row, i]
-            omega[row, i] = away
-        for load in range(sizes.size):
-            for i in range(omega.shape[1]):
-                force[slot, load, i] = unit_force[slot, load, i] * sizes[load]
-        for h in range(frequency.size):
-            for u in range(forced.shape[1]):
-                forced[slot, u, h] = residual[row, u, 1 + h] * sizes[1 + h]
-            for i in range(omega.shape[1]):
-                answer = forced_answer(force[slot, 1 + h, i], omega[row, i], damping_rate[row, i], frequency[h])
-                harmonic[slot, h, i] = answer
-                for u in range(forced.shape[1]):
-                    forced[slot, u, h] += weight[slot, u, i] * answer
-    return moved
-
-
-def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: FloatArray) -> None:
-    """Give an undamped mode the frequency that `away_from_resonance` has found, `omega`, rad/s, shape ``(1,)``."""
-    root = roots_of(omega, damping_rate)[0, 0]
-    tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
-    tables.turn[slot, :, i] = np.exp(tables.step * root)
-    tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
-
-
-def owned(tables: Tables) -> Tables:
-    """A copy of tables, of which no array is borrowed."""
-    return Tables._make(part.copy() if isinstance(part, np.ndarray) else part for part in tables)
-
-
-def copied(unit: UnitTables, harmonics: Harmonics, sizes: FloatArray) -> Tables:
-    """The known states with a joint's harmonics, and the known switches under its loads, but for what `scale` writes.
-
-    `sizes`, ``(1 + H + R,)``, are as in `scale`.  The arrays that `scale` writes to are the joint's own, with anything
-    in them; the others are borrowed, and `owned` makes them the joint's own before they are written to.
-    """
-    borrowed, H = unit.borrowed, harmonics.omega.size
-    (S, _, N), U = borrowed.harmonic.shape, borrowed.forced.shape[1]
-    own = borrowed._replace(
-        omega=harmonics.omega,
-        phase=harmonics.phase,
-        harmonic_turn=turns(borrowed.step, harmonics.omega),
-        unit=unit_of_time(borrowed.step, harmonics),
-        harmonic=np.empty((S, H, N), dtype=complex),
-        forced=np.empty((S, U, H), dtype=complex),
-        force=np.empty(borrowed.force.shape),
-        constant=borrowed.constant.copy(),
-        carry_residual=borrowed.carry_residual * sizes[:, None],
-    )
-    return owned(own) if unit.resonant else own

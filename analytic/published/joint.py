@@ -7,13 +7,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from analytic.march.joint import DrivenProblem, Joint
+from analytic.march.joint import DrivenProblem, Joint, driven_problem
 from analytic.march.known_states import KnownStates
 from analytic.march.modal_state import LoadedStructure, passage
 from analytic.march.motion import SLOT, Motion, new_motion
 from analytic.march.oscillator import ABOVE
 from analytic.march.switching import Frozen
-from analytic.march.tables import Tables, Unscaled, count_in
+from analytic.march.tables import Tables, count_in
+from analytic.march.unit_tables import Unscaled
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.errors import InputError
 from lapjoint.problem import FloatArray, Problem
@@ -42,11 +43,11 @@ class PublishedJoint(Joint):
     def __init__(
         self, problem: Problem | DrivenProblem, free_modes: int, contact_modes: int, side: float = ABOVE
     ) -> None:
-        super().__init__(problem, free_modes, contact_modes, side)
-        if self.damped:
-            stops = self.loaded.problem.structure.stops
-            k = next(k for k, stop in enumerate(stops) if stop.damping > 0)
-            raise InputError(f"stops[{k}].damping = {stops[k].damping:g}: the published scheme has no damped stops")
+        driven = driven_problem(problem) if isinstance(problem, Problem) else problem
+        for k, stop in enumerate(driven.loaded.problem.structure.stops):
+            if stop.damping > 0:
+                raise InputError(f"stops[{k}].damping = {stop.damping:g}: the published scheme has no damped stops")
+        super().__init__(driven, free_modes, contact_modes, side)
 
     def begin(self, state: ContactState, q: FloatArray, v: FloatArray) -> FrozenMotion:
         """A motion at the time 0 from `q`, kg^1/2 m, and `v`, kg^1/2 m/s, ``(N,)``, without a frozen shape."""

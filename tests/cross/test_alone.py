@@ -12,7 +12,7 @@ from refining import AnySolver
 
 import analytic
 import fe_lapjoint
-from analytic.march import Joint, known_states, march, tables
+from analytic.march import Joint, known_states, march, unit_tables
 from analytic.march.initial_state import started
 from fe_lapjoint.modes.assembly import unit_element
 from fe_lapjoint.modes.eigenmodes import eigenmodes
@@ -88,7 +88,7 @@ def test_what_is_kept_cannot_be_written_to() -> None:
     forget()
     joint = Joint(paper_joint(), 5, 5)
     march(joint, started(joint), 0.0, 0.02)
-    unit = tables.unit_tables(joint.loaded, joint.counts, known_states.memory_of(joint.loaded, joint.counts).known)
+    unit = unit_tables.unit_tables(joint.loaded, joint.counts, known_states.memory_of(joint.loaded, joint.counts).known)
     assert unit.tables.modes.size > 1
     model = fe_lapjoint.Solver(elements=8).period_map(paper_joint()).model
     kept = (*unit.tables, *unit[1:], *unit_element(), *eigenmodes(model.assembly, ContactState((0,))))

@@ -22,6 +22,7 @@ from analytic.march.field import history_of as analytic_history
 from analytic.march.initial_state import initial_coordinates as analytic_coordinates
 from analytic.march.initial_state import started
 from analytic.march.loads import MOVED_STOPS
+from analytic.march.tables import switch_of
 from fe_lapjoint.march.field import history_of as mesh_history
 from fe_lapjoint.march.initial import initial_coordinates as mesh_coordinates
 from fe_lapjoint.march.initial import initial_state
@@ -325,7 +326,7 @@ def by_modes(seed: int, end: float, draw: Draw = damped_cantilever) -> Marched:
     log = motion.log
     q, v = joint.in_modes(motion.end.state, motion.end.q, motion.end.v, log.end[-1])
     switched = log.stop >= 0
-    indices = tuple(joint.index_of(row) for row in log.stop[switched].tolist())
+    indices = tuple(switch_of(joint.tables, row) for row in log.stop[switched].tolist())
     first = analytic_coordinates(problem, joint.modal(start.state).modes)
     witness, history = witnessed(joint, start.state, *first, end), analytic_history("", joint, log)
     return Marched(log.end[switched], indices, motion.end.state, q, v, history, witness)

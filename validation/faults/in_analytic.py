@@ -130,9 +130,9 @@ ANALYTIC = (
         "a stale cache",
         "analytic:_loaded_structure",
         "Contact states are kept for all problems that differ in their damping, too.",
-        old="return LoadedStructure(resting(structure, constant), positions)",
+        old="return LoadedStructure(resting(structure, constant), positions, sampled)",
         new="key = structure.line, structure.supports, structure.stops, constant, positions\n"
-        "made = LoadedStructure(resting(structure, constant), positions)\n"
+        "made = LoadedStructure(resting(structure, constant), positions, sampled)\n"
         "return globals().setdefault('_KEPT', {}).setdefault(key, made)",
     ),
     Fault(

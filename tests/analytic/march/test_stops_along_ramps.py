@@ -7,6 +7,7 @@ import pytest
 
 from analytic.march import Joint, March, march
 from analytic.march.initial_state import started
+from analytic.march.tables import switch_of
 from analytic.solver import Solver
 from lapjoint.problem import FloatArray, Problem
 from tests.helpers.damped_stops import loose_beam, sampled_joint, witnessed
@@ -22,7 +23,7 @@ def marched(problem: Problem, modes: int, end: float) -> tuple[Joint, March, Flo
     joint = Joint(problem, modes, modes)
     motion = march(joint, started(joint), 0.0, end, depth=True)
     q, _ = joint.in_modes(motion.end.state, motion.end.q, motion.end.v, end)
-    return joint, motion, q, [joint.index_of(row) for row in motion.log.stop.tolist() if row >= 0]
+    return joint, motion, q, [switch_of(joint.tables, row) for row in motion.log.stop.tolist() if row >= 0]
 
 
 @pytest.mark.parametrize("seed", [1, 5])
