@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from analytic.march.coupled import damped_rows
+from analytic.march.depths import depths
 from analytic.march.energies import energies_of
 from analytic.march.joint import Joint
 from analytic.march.motion import Log
@@ -23,7 +22,7 @@ _LEAST_SHARP = 1e-9
 def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     """All contacts, by start time, of a motion that was marched with ``depth=True``, which records penetrations.
 
-    Energies are the integrals of F d', or not a number where there is no closed form that keeps its digits.
+    An energy is not a number where there is no closed form that keeps its digits.
     """
     stops, closed = joint.problem.structure.stops, joint.tables.closed[log.slot[0]]
     switched, areas, depths = log.stop, log.area, log.deepest
@@ -35,12 +34,11 @@ def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     stiffness = np.array([it.stiffness for it in stops])
     impulse = np.array([it.sign * it.stiffness for it in stops])[stop] * area
     order = np.lexsort((stop, start))
-    columns = (stop, start, end, impulse, stiffness[stop] * deepest, open_at[:, 0], open_at[:, 1])
-    found = tuple(map(Contact, *(column[order].tolist() for column in columns)))
-    if not joint.damped:
-        return found
-    lost = stiffness[stop] * _energies(joint, log, closed, switched)
-    return tuple(replace(it, dissipated=one) for it, one in zip(found, lost[order].tolist(), strict=True))
+    columns = [stop, start, end, impulse, stiffness[stop] * deepest, open_at[:, 0], open_at[:, 1]]
+    if joint.damped:
+        energy = _energies(joint, log, closed, switched) - _stored(joint, log, stop, open_at)
+        columns += [*np.full((3, stop.size), None), stiffness[stop] * energy]
+    return tuple(map(Contact, *(column[order].tolist() for column in columns)))
 
 
 def _energies(joint: Joint, log: Log, closed: BoolArray, switched: IntArray) -> FloatArray:
@@ -56,6 +54,20 @@ def _energies(joint: Joint, log: Log, closed: BoolArray, switched: IntArray) -> 
     parts = (np.ascontiguousarray(part[:, joint.force_rows]) for part in (energy, rounding))
     _, _, _, total, most = find_contacts(closed, switched, *parts)
     return np.where(most > _LEAST_SHARP * np.abs(total), np.nan, total)
+
+
+def _stored(joint: Joint, log: Log, stop: IntArray, open_at: BoolArray) -> FloatArray:
+    """What the springs of damped stops store at a cut end of each contact less what they store at a cut start, over the
+    stiffness, m2, ``(C,)``; `stop` and `open_at` are as in `find_contacts`.
+
+    Where loads are sampled it is 0, because energies are left to quadrature.
+    """
+    cut = open_at & (np.array([it.damping for it in joint.problem.structure.stops]) > 0)[stop, None]
+    if joint.sampled or not cut.any():
+        return np.zeros(stop.size)
+    first = depths(joint.tables, log.slot[0], log.start[0], log.q[0], log.v[0])
+    last = depths(joint.tables, log.slot[-1], log.end[-1], log.q_end[-1], log.v_end[-1])
+    return np.asarray((cut[:, 1] * last[stop] ** 2 - cut[:, 0] * first[stop] ** 2) / 2)
 
 
 def _force_switches(joint: Joint, log: Log) -> IntArray:

@@ -21,7 +21,7 @@ from analytic.march.terms import start_all_terms
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.answers import Field, History
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.answers.dissipation import with_dissipation, without_stored
+from lapjoint.answers.dissipation import with_dissipation
 from lapjoint.problem import FloatArray
 
 _AT_ONCE = 2**20  # number of coordinates held at once, 8 MB for each time derivative
@@ -212,4 +212,4 @@ def history_of(name: str, joint: Joint, log: Log, field: Field | None = None) ->
     )
     if not joint.damped:
         return made
-    return with_dissipation(without_stored(made), float(joint.tables.fastest.max()))
+    return with_dissipation(made, float(joint.tables.fastest.max()))

@@ -12,6 +12,7 @@ import numpy as np
 
 from analytic.equilibrium import start_of
 from analytic.march.coordinates import Coordinates
+from analytic.march.depths import depths
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
 from analytic.march.quadrature import projected
@@ -96,6 +97,8 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
     """`resumed` where modes may be coupled; a closed damped stop presses where its force does not pull."""
     if not np.isfinite(values).all():
         raise InputError("start: has coordinates that are not finite")
+    if values.shape[1] == joint.count(state) and _as_it_was(joint, state, values):
+        return SectionPoint(state, values.copy())
     slot, n, theta = joint.slot(state), joint.count(state), joint.harmonics.theta(0.0)
     tables = joint.tables
     waves, omega = np.exp(1j * theta), joint.harmonics.omega
@@ -129,6 +132,20 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
         return SectionPoint(state, begin)
     now = translated(joint, Coordinates(state, begin[0], begin[1]), there)
     return SectionPoint(there, np.array((now.q, now.v)))
+
+
+def _as_it_was(joint: Joint, state: ContactState, values: FloatArray) -> bool:
+    """Whether coordinates ``(2, N)`` in a state of a joint with damped stops press what the state presses; False along
+    sampled loads, where it is not looked at."""
+    if joint.sampled:
+        return False
+    slot, P = joint.slot(state), len(joint.loaded.problem.structure.stops)
+    tables = joint.tables
+    closed, near = tables.closed[slot], TOUCHING * np.abs(tables.gap)
+    depth = depths(tables, slot, 0.0, *np.ascontiguousarray(values))
+    gaps = np.where(closed, depth > -near, depth <= 0)
+    forces = np.where(closed, depth >= -near, depth < near) | tables.asleep[slot]
+    return bool(gaps[:P].all() and forces[P:].all())
 
 
 @njit_called()

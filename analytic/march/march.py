@@ -180,8 +180,8 @@ def begun(joint: Joint, begin: Coordinates, start: float) -> Motion:
     """The `Motion` of a march that starts at the time `start`, s, which the compiled march advances in place."""
     slot = joint.slot(begin.state)
     motion = new_motion(slot, start, begin.q, begin.v, max(joint.counts), joint.stops)
-    fastest = joint.flat(begin.state).omega.max(initial=0.0)
-    if begin.held and fastest > 0:
+    fastest = joint.flat(begin.state).omega.max(initial=0.0) if begin.held else 0.0
+    if fastest > 0:
         motion.last_switch[list(begin.held)] = start + 2 * np.pi / fastest
     return motion
 

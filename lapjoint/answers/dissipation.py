@@ -49,6 +49,8 @@ def with_dissipation(history: History, fastest: float) -> History:
     `fastest`, 1/s, is the largest rate at which a part of the motion decays or turns.
     """
     contacts = list(history.contacts)
+    if not any(math.isnan(contact.dissipated) for contact in contacts):
+        return history
     for stop, it in enumerate(history.problem.structure.stops):
         which = [i for i, contact in enumerate(contacts) if contact.stop == stop and math.isnan(contact.dissipated)]
         if it.damping > 0 and which:

@@ -105,9 +105,10 @@ def _dips(motion: Segments, stops: Sequence[PlacedStop], gaps: IndexArray) -> tu
     forces = Stops._make(part[rows] for part in every)._replace(place=np.arange(rows.size))
     which, time, _, highest = gap_extrema(motion_at(motion, rows), in_c_order(forces))
     least = awake_rows(stops, motion.closed)[_segments_at(motion, time), rows[which]] & ~highest
-    for i, own in enumerate(zip(rows.tolist(), gaps.tolist(), strict=True)):
-        least &= (which != i) | ~np.isin(time, motion.end[np.isin(motion.switched, own)])
-    return time[least], which[least]
+    time, which = time[least], which[least]
+    begins_or_ends = (motion.switched == rows[which, None]) | (motion.switched == gaps[which, None])
+    within = ~(begins_or_ends & (motion.end == time[:, None])).any(axis=1)
+    return time[within], which[within]
 
 
 def _force_rows(stops: Sequence[PlacedStop], of: IndexArray) -> IndexArray:

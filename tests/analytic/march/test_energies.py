@@ -23,8 +23,7 @@ def energies(problem: Problem, modes: int, end: float) -> tuple[np.ndarray, np.n
     closed, summed = [], []
     for k in (k for k, stop in enumerate(problem.stops) if stop.damping > 0):
         own = [it for it in found if it.stop == k]
-        # the closed form is the integral of F d', cut or not
-        spans = [Span(it.start, it.end, False, False) for it in own]
+        spans = [Span(it.start, it.end, it.open_start, it.open_end) for it in own]
         fastest = 4 * float(joint.tables.fastest.max())
         summed += energies_lost(history, k, spans, fastest) if own else []
         closed += [it.dissipated for it in own]
