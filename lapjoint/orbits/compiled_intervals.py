@@ -18,6 +18,7 @@ from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
 
 IndexArray = npt.NDArray[np.intp]
+BoolArray = npt.NDArray[np.bool_]
 
 _LEAST = 4
 """Least number of intervals into which a segment is first cut."""

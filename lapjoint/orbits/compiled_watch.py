@@ -9,19 +9,25 @@ import numpy as np
 from lapjoint.answers.steady_state import ComplexArray
 from lapjoint.compiled.arrays import bool_zeros, zeros
 from lapjoint.compiled.compiling import njit_called
-from lapjoint.orbits.compiled_intervals import IndexArray
+from lapjoint.orbits.compiled_intervals import BoolArray, IndexArray
 from lapjoint.problem import FloatArray
 
 
 @njit_called()
 def terms_at_points(
-    segment: IndexArray, tau: FloatArray, rates: ComplexArray, weights: ComplexArray, count: int
+    segment: IndexArray,
+    tau: FloatArray,
+    rates: ComplexArray,
+    weights: ComplexArray,
+    watched: BoolArray,
+    count: int,
 ) -> tuple[FloatArray, FloatArray]:
     """The terms of deviations at the points between intervals, and the error of a chord of each term.
 
     `segment` and `tau`, (I + 1,), are the segment of each point and the time from its start, s.  `rates`, (S, K'), are
     the exponents of the terms, 1/s, and `weights`, (S, U, K'), their weights at the places of stops; deviations have
-    the first ``K = count <= K'``.  The answer is the real and the imaginary part of each term of unit amplitude, (2, U,
+    the first ``K = count <= K'``.  `watched`, (S, U), says whether a stop there may switch in each segment: all else is
+    0.  The answer is the real and the imaginary part of each term of unit amplitude, (2, U,
     I + 1, K), and the largest error of its chord between two points, divided by its amplitude, (U, I, K).
     """
     places = weights.shape[1]
@@ -34,6 +40,8 @@ def terms_at_points(
             wave = np.exp(rate * tau[i])
             bend = min((rate.real * rate.real + rate.imag * rate.imag) * width * width / 8, 2.0)
             for u in range(places):
+                if not watched[s, u]:
+                    continue
                 weight = weights[s, u, k]
                 term = weight * wave
                 terms[0, u, i, k], terms[1, u, i, k] = term.real, term.imag
@@ -50,14 +58,16 @@ def largest_motion(
     misses: FloatArray,
     amplitudes: FloatArray,
     drift: FloatArray,
+    watched: BoolArray,
     place: IndexArray,
     result: FloatArray,
 ) -> None:
     """Write bounds on the motion that ``C`` deviations make at the stops in each interval to `result`, (P, I, C), m.
 
-    `segment` and `tau` are arguments of `terms_at_points`, and `terms` and `misses` its results.  `amplitudes`, (2, S,
-    K, C), are real and imaginary parts of the amplitudes in each segment.  `drift`, (S, U, 2, C), is the displacement,
-    m, and speed, m/s, of rigid-body modes; without such modes it is empty.  `place`, (P,), is the place of each stop.
+    `segment`, `tau` and `watched` are arguments of `terms_at_points`, and `terms` and `misses` its results.
+    `amplitudes`, (2, S, K, C), are real and imaginary parts of the amplitudes in each segment.  `drift`, (S, U, 2, C),
+    is the displacement, m, and speed, m/s, of rigid-body modes; without such modes it is empty.  `place`, (P,), is the
+    place of each stop.
     """
     count, columns = terms.shape[3], amplitudes.shape[3]
     size = zeros((amplitudes.shape[1], count, columns))
@@ -72,11 +82,11 @@ def largest_motion(
             s = segment[i]
             for c in range(columns):
                 last[c], now[c] = now[c], 0.0
-            for k in range(count):
+            for k in range(count if watched[s, u] else 0):
                 a, b = terms[0, u, i, k], terms[1, u, i, k]
                 for c in range(columns):
                     now[c] += a * amplitudes[0, s, k, c] - b * amplitudes[1, s, k, c]
-            if drift.size:
+            if drift.size and watched[s, u]:
                 for c in range(columns):
                     now[c] += drift[s, u, 0, c] + drift[s, u, 1, c] * tau[i]
             if i == 0 or segment[i - 1] != s:
@@ -84,7 +94,7 @@ def largest_motion(
             j += 1
             for c in range(columns):
                 bound[c] = max(abs(last[c]), abs(now[c]))
-            for k in range(count):
+            for k in range(count if watched[s, u] else 0):
                 a = misses[u, i - 1, k]
                 for c in range(columns):
                     bound[c] += a * size[s, k, c]

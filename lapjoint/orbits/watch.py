@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from lapjoint.compiled.by_reference import in_c_order
 from lapjoint.orbits.compiled_intervals import (
+    BoolArray,
     IndexArray,
     Motion,
     Stops,
@@ -37,7 +37,6 @@ from lapjoint.orbits.segments import Segment, Segments
 from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.supports_and_stops import PlacedStop
 
-BoolArray = npt.NDArray[np.bool_]
 _PER_HALF_PERIOD = 16
 """Least number of intervals in half a period of the fastest excitation, before intervals are divided."""
 
@@ -166,6 +165,9 @@ class SegmentWatch:
         stops, awake = rows_of(problem.structure.stops, twins), awake_rows(problem.structure.stops, segments.closed)
         self._place = stops.place
         first = np.unique(stops.place, return_index=True)[1]
+        self._watched = np.zeros((awake.shape[0], first.size), dtype=np.bool_)
+        for row, place in enumerate(stops.place.tolist()):
+            self._watched[:, place] |= awake[:, row]
         motion, length = motion_at(segments, first, awake), float(segments.end[-1])
         self._switching = np.flatnonzero(segments.switched >= 0)
         stop, time = segments.switched[self._switching], segments.end[self._switching]
@@ -186,7 +188,7 @@ class SegmentWatch:
         if self._drift is not None:
             drift = (self._drift @ deviations).reshape(segments, places, 2, count)
         points = self.segment, self.tau, self._terms, self._misses
-        largest_motion(*points, amplitudes, drift, self._place, largest)
+        largest_motion(*points, amplitudes, drift, self._watched, self._place, largest)
         own = amplitudes[:, self._switching].transpose(1, 0, 2, 3).reshape(self._durations.size, 2 * terms, count)
         at_switches, rates = (self._at_switches @ own)[:, :, 0]
         if self._drift is not None:
@@ -217,7 +219,8 @@ class SegmentWatch:
         rows = np.array([segments.deviations.real, segments.deviations.imag])
         self._shape, self._rows = (count, first.size, terms), rows.reshape(-1, n)
         self._drift = segments.drift[:, first].reshape(-1, n) if segments.drift.any() else None
-        self._terms, self._misses = terms_at_points(self.segment, self.tau, motion.rates, motion.weights, terms)
+        where = self.segment, self.tau, motion.rates, motion.weights, self._watched
+        self._terms, self._misses = terms_at_points(*where, terms)
         rates, weights = motion.rates[:, :terms], motion.weights[:, :, :terms]
         at, self._durations = self._switching, motion.duration[self._switching]
         own = weights[at, self._place[self.switches.stop]] * np.exp(rates[at] * self._durations[:, None])

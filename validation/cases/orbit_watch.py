@@ -337,7 +337,8 @@ def chords() -> Iterator[Criterion]:
     segment, tau = np.repeat([0, 1], len(CUTS)), np.tile(CUTS, 2)
     rates = np.stack([DECAYING, DECAYING[::-1]])
     weights = rng.standard_normal((2, 2, rates.shape[1])) + 1j * rng.standard_normal((2, 2, rates.shape[1]))
-    terms, misses = terms_at_points(segment.astype(np.intp), tau, rates, weights, rates.shape[1])
+    where, watched = (segment.astype(np.intp), tau), np.ones((2, 2), dtype=np.bool_)
+    terms, misses = terms_at_points(*where, rates, weights, watched, rates.shape[1])
     part = np.linspace(0.0, 1.0, 33)
     shares, summed = [], 0.0
     for i in range(tau.size):
