@@ -449,6 +449,8 @@ def _write_motion(tables: Tables, slots: IntArray, times: FloatArray, rows: Floa
         for u in range(motion.weights.shape[1]):
             for t in range(free):
                 motion.weights[i, u, t] = tables.weight[slot, u, t]
+                if tables.owner is not None:
+                    motion.weights[i, u, t] = complex(tables.weight[slot, u, t], tables.twist[slot, u, t])
             for h in range(theta.size):
                 forced = tables.forced[slot, u, h]
                 motion.weights[i, u, free + h] = complex(forced.imag, -forced.real)

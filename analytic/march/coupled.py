@@ -16,8 +16,7 @@ P = Re a and V = P' obey P'' - 2 Re(lambda) P' + |lambda|^2 P = F(t), and
     (q, q') = T (P, V - r(t)),    r = Re of the share of the loads in a',    F = s + d r + r',
 
 where s is the share of the loads in (Re lambda a)' and d = -(lambda_1 + lambda_2).  The march therefore knows (P, V) of
-a coupled state as it knows (q, v) of any other.  A place reads P and V, so its weight of a complex term is complex;
-such a term is kept twice, times 1 and times i, with two real weights.
+a coupled state as it knows (q, v) of any other.  A place reads P and V, so its weight of a complex term is complex.
 
 The force of a stop divided by k is the penetration at a virtual place, which moves by z + (c / k) z'.  Each damped stop
 has a second row in the tables, with that place: a closed second row presses.
@@ -34,7 +33,6 @@ import scipy.linalg
 from analytic.march.drag import drag_of
 from analytic.march.modal_state import LoadedStructure, modal_state, passage
 from analytic.march.oscillator import (
-    OSCILLATING,
     SPLIT,
     all_away_from_resonance,
     kinds_of,
@@ -341,9 +339,7 @@ class Frame(NamedTuple):
     kind: IntArray
     """How each oscillator moves freely, shape ``(N,)``."""
     mode_of: IntArray
-    """The oscillator of each term, shape ``(T,)``; second copies come last."""
-    own: int
-    """Number of terms without second copies."""
+    """The oscillator of each term, shape ``(T,)``."""
     root: ComplexArray
     """lambda of each term, 1/s, shape ``(T,)``."""
     inverse: ComplexArray
@@ -352,10 +348,8 @@ class Frame(NamedTuple):
     """exp(lambda tau) of the tabulated steps, shape ``(J, T)``."""
     reads: FloatArray
     """Weights of P and V at the places, kg^-1/2 and kg^-1/2 s, shape ``(U, 2, N)``."""
-    weight: FloatArray
+    weight: ComplexArray
     """Weight of each term at the places, kg^-1/2, shape ``(U, T)``."""
-    twist: FloatArray
-    """Weight of the second copy of each term, or 0, kg^-1/2, shape ``(U, T)``."""
     delay: FloatArray
     """c / k of the places that forces see, and 0 of the others, s, shape ``(U,)``."""
 
@@ -363,27 +357,21 @@ class Frame(NamedTuple):
 def _frame_of(loaded: LoadedStructure, state: ContactState, count: int, roots: ComplexArray, to: FloatArray) -> Frame:
     """The frame of a state with roots, 1/s, ``(N, 2)``, and T, ``(2 N, 2 N)``."""
     problem, n, kind = loaded.problem, count, kinds_of(roots)
-    oscillating, split = (np.flatnonzero(kind == one) for one in (OSCILLATING, SPLIT))
-    mode_of, own = np.concatenate([np.arange(n), split, oscillating]), n + split.size
-    root = np.concatenate([roots[:, 0], roots[split, 1], roots[oscillating, 0]])
+    split = np.flatnonzero(kind == SPLIT)
+    mode_of, root = np.concatenate([np.arange(n), split]), np.concatenate([roots[:, 0], roots[split, 1]])
     stops = _of_places(problem)
     tau = np.array([problem.structure.stops[k].damping / problem.structure.stops[k].stiffness for k in stops.tolist()])
     tau[: stops.size - damped_rows(problem).size] = 0.0
     phi = modal_state(loaded, ContactState(state.closed), count).at_stops[stops]
     reads = np.concatenate([phi, tau[:, None] * phi], axis=1) @ to
-    complex_weight = reads[:, mode_of] + reads[:, n + mode_of] * root
-    weight, twist = complex_weight.real.copy(), np.zeros(complex_weight.shape)
-    weight[:, own:], twist[:, oscillating] = complex_weight[:, own:].imag, complex_weight[:, oscillating].imag
     return Frame(
         kind,
         mode_of,
-        own,
         root,
         np.divide(1.0, root, out=np.zeros(root.size, dtype=complex), where=root != 0),
         np.exp(np.outer(tabulated_steps(problem), root)),
         reads.reshape(-1, 2, n),
-        weight,
-        twist,
+        reads[:, mode_of] + reads[:, n + mode_of] * root,
         tau,
     )
 
@@ -408,12 +396,12 @@ def write_coupled(tables: Tables, slot: int, problem: Problem, state: ContactSta
     """Write a coupled state into its empty slot, but for what it owes to loads that change with time."""
     P, by = len(problem.structure.stops), it.frame
     n, terms = by.kind.size, by.root.size
-    tables.modes[slot], tables.terms[slot], tables.own[slot] = n, terms, by.own
+    tables.modes[slot], tables.terms[slot], tables.coupled[slot] = n, terms, True
     tables.fastest[slot] = np.abs(by.root).max()
     tables.kind[slot, :n], tables.mode_of[slot, :terms], tables.root[slot, :terms] = by.kind, by.mode_of, by.root
     tables.inverse[slot, :terms], tables.turn[slot, :, :terms] = by.inverse, by.turn
     tables.gradient[slot, :, :, :n] = by.reads
-    tables.weight[slot, :, :terms], tables.twist[slot, :, :terms] = by.weight, by.twist
+    tables.weight[slot, :, :terms], tables.twist[slot, :, :terms] = by.weight.real, by.weight.imag
     tables.static[slot, :n] = static_answer(it.push[0, 0], np.sqrt(it.stiffness), it.damping / 2)
     tables.constant[slot] = it.beside[0, :, 0]
     tables.closed[slot, :P] = [k in state for k in range(P)]

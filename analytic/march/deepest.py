@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from analytic.march.gap_function import Rigid, add_rigid, add_terms, at_positions
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_positions
 from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
 from analytic.march.terms import turn_exactly
@@ -61,7 +61,10 @@ def deepest_of(
         at_positions(forced, none, tables.omega, s, theta, drift, out)
         if rigid is not None:
             add_rigid(rigid, s, out)
-        z, z1, z2, b3 = add_terms(weight, term, root, np.int64(0), terms)
+        if tables.owner is not None:
+            z, z1, z2, b3 = add_twisted(weight, tables.twist[slot, u], term, root, np.int64(0), terms)
+        else:
+            z, z1, z2, b3 = add_terms(weight, term, root, np.int64(0), terms)
         d, d1, d2 = sign * (out[u, 0] + z) - tables.gap[k], sign * (out[u, 1] + z1), sign * (out[u, 2] + z2)
         b3 += out[u, 3] + _TINY
         deepest = max(deepest, float(d))

@@ -55,7 +55,7 @@ def energies_of(tables: Tables, log: Log, delay: FloatArray) -> tuple[FloatArray
                 start_terms(tables, slot, theta, log.q[i], log.v[i], term, poly)
                 drift_at_stops(tables, slot, poly, drift)
                 begun = True
-            u, own = tables.position[tables.owner[row]], tables.own[slot]
+            u, own = tables.position[tables.owner[row]], tables.terms[slot]
             if drift[u, 1] != 0.0 or drift[u, 2] != 0.0:
                 rounding[i, row] = math.inf
                 continue

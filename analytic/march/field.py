@@ -13,7 +13,6 @@ from analytic.march.contacts import contacts_of
 from analytic.march.coupled import Coupled
 from analytic.march.joint import Joint
 from analytic.march.motion import Log
-from analytic.march.oscillator import SPLIT
 from analytic.march.ramp_segment import coordinates_on_ramps
 from analytic.march.ramps import RampTables, on_block, ramp_tables
 from analytic.march.tables import IntArray
@@ -135,14 +134,12 @@ class ModalField:
         theta, c = np.zeros((count, tables.omega.size), dtype=complex), np.zeros((count, terms), dtype=complex)
         poly = np.zeros((count, n, 3))
         start_all_terms(tables, slot, start, q, v, theta, c, poly)
-        second = n + np.flatnonzero(tables.kind[slot, tables.mode_of[slot, n:terms]] == SPLIT)  # the others are copies
-        which_terms = np.concatenate([np.arange(n), second])
-        s, root, omega = t - start[at], tables.root[slot, which_terms, None], tables.omega[:, None]
-        free = (c[:, which_terms][at].T * root**dt * np.exp(root * s)).real
+        s, root, omega = t - start[at], tables.root[slot, :terms, None], tables.omega[:, None]
+        free = (c[at].T * root**dt * np.exp(root * s)).real
         result = free[:n] + _forced(tables.harmonic[slot, :, :n], theta[at].T, omega, s, dt)
         for exponent in range(dt, 3):
             result += poly[at, :, exponent].T * (math.perm(exponent, dt) * s ** (exponent - dt))
-        np.add.at(result, tables.mode_of[slot, second], free[n:])
+        np.add.at(result, tables.mode_of[slot, n:terms], free[n:])
         return np.asarray(result)
 
     @cached_property

@@ -1,9 +1,9 @@
 r"""The displacement at the stops along a recorded motion, and along its neighbours, as sums of exponentials.
 
-Segments are those of `lapjoint.orbits.segments.Segment`: the free terms of the state come first, their weights real and
-in kg^-1/2, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of the whole motion have the
-free terms alone, and a drift of undamped rigid-body modes.  The times at which segments begin and end move too; the
-saltation matrices of `analytic.march.tangent` put these shifts into the deviations.
+Segments are those of `lapjoint.orbits.segments.Segment`: the free terms of the state come first, their weights in
+kg^-1/2 and real but in coupled states, then the harmonics with lambda = i Omega.  Deviations (dq, dv) from the start of
+the whole motion have the free terms alone, and a drift of undamped rigid-body modes.  The times at which segments begin
+and end move too; the saltation matrices of `analytic.march.tangent` put these shifts into the deviations.
 """
 
 from __future__ import annotations
@@ -89,6 +89,8 @@ def _outline(
             put(polynomial[i, k], at_positions[u])
             for t in range(free):
                 weights[i, k, t] = tables.weight[slot, u, t]
+                if tables.owner is not None:
+                    weights[i, k, t] = complex(tables.weight[slot, u, t], tables.twist[slot, u, t])
             for h in range(theta.size):
                 forced = tables.forced[slot, u, h]
                 weights[i, k, free + h] = complex(forced.imag, -forced.real)
@@ -139,10 +141,6 @@ def _deviation_terms(tables: Tables, slot: int, now: FloatArray, A: ComplexArray
                 for j in range(now.shape[1]):
                     drift[k, 0, j] += weight * now[i, j] + by_rate * now[n + i, j]
                     drift[k, 1, j] += weight * now[n + i, j]
-    for t in range(extra, tables.terms[slot]):  # second copies, see `analytic.march.coupled`
-        for j in range(now.shape[1]):
-            A[t, j] = A[tables.mode_of[slot, t], j] * complex(0.0, 1.0)
-        extra += 1
     for t in range(extra, A.shape[0]):
         for j in range(now.shape[1]):
             A[t, j] = 0.0

@@ -15,7 +15,7 @@ from analytic.march.gap_function import fading_powers
 from analytic.march.oscillator import OSCILLATING, SPLIT
 from analytic.march.ramps import RampTables
 from analytic.march.tables import IntArray, Tables
-from analytic.march.terms import set_phases, turn_exactly, write_copies
+from analytic.march.terms import set_phases, turn_exactly
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import complex_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_called, njit_inner
@@ -129,8 +129,6 @@ def start_on_ramps(
             slope += pull[0] * g
         body[b, 0], body[b, 1], body[b, 2] = x, y, force - drag * y
         body[b, 3] = slope - drag * body[b, 2]
-    if tables.owner is not None and tables.own[slot] > 0:
-        write_copies(tables, slot, term)
 
 
 @njit_inner()
@@ -200,7 +198,6 @@ def state_on_ramps(
     q: FloatArray,
 ) -> None:
     """Write the time derivative of `order` 0 to 3 of q at `t`, s, to `q`, ``(N,)``, kg^1/2 m over s^order."""
-    last = tables.own[slot] if tables.own[slot] > 0 else tables.terms[slot]
     for i in range(tables.modes[slot]):
         x = tables.static[slot, i, 0] if order == 0 else 0.0
         for h in range(theta.size):
@@ -217,7 +214,7 @@ def state_on_ramps(
                 f, g = (bend, jerk) if order == 2 else (jerk, 0.0)
             x += f * ramps.gain[slot, r, i] + g * ramps.lag[slot, r, i]
         q[i] = x
-    for k in range(last):
+    for k in range(tables.terms[slot]):
         root, value = tables.root[slot, k], term[k]
         for _ in range(order):
             value *= root
@@ -243,7 +240,7 @@ def carried_on_ramps(
     """Write the coordinates that the march carries on from `t`, s: q, kg^1/2 m, and v, kg^1/2 m/s, ``(N,)`` each."""
     state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 0, q)
     state_on_ramps(tables, ramps, slot, j, t, theta, term, body, 1, v)
-    if tables.owner is not None and tables.own[slot] > 0:
+    if tables.owner is not None and tables.coupled[slot]:
         for r in range(ramps.gain.shape[1]):
             _, g, _, _ = load_at(ramps, j, r, t)
             for i in range(tables.modes[slot]):

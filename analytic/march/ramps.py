@@ -213,7 +213,7 @@ def _fill(made: RampTables, joint: Joint, slot: int, by: _Pushed) -> None:
     """Write one state into its slot."""
     tables = joint.tables
     n, R, root = int(tables.modes[slot]), made.kick.shape[1], tables.root[slot]
-    terms = int(tables.own[slot] or tables.terms[slot])  # without the copies of `analytic.march.coupled`
+    terms = int(tables.terms[slot])
     others = root[:n].conj()
     others[tables.mode_of[slot, n:terms]] = root[n:terms]
     square, twice = (root[:n] * others).real, -(root[:n] + others).real  # omega^2 and 2 a
@@ -243,8 +243,6 @@ def _fill(made: RampTables, joint: Joint, slot: int, by: _Pushed) -> None:
             first, second = root[i].real, root[extra].real
             kick[:, i] = (y[:, i] - second * x[:, i]) / (first - second)
             kick[:, extra] = (first * x[:, i] - y[:, i]) / (first - second)
-    copies = slice(terms, int(tables.terms[slot]))
-    kick[:, copies] = 1j * kick[:, tables.mode_of[slot, copies]]
     rigid = np.flatnonzero(~elastic)
     made.rigid[slot, : rigid.size] = rigid
     made.rigid_at_stops[slot, :, : rigid.size] = by.reads[:, :, rigid].transpose(0, 2, 1)

@@ -58,7 +58,6 @@ from analytic.march.terms import (
     turn_briefly,
     turn_by,
     turn_exactly,
-    write_copies,
 )
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.arrays import put, zeros
@@ -102,7 +101,7 @@ def follow(
     slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
     theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest
     positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
-    drift, tail = zeros((positions, 3)), zeros((positions, (tables.own[slot] or terms) + 1))
+    drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
     theta0, term0 = theta.copy(), term[:terms].copy()
     for k in range(stops):
         area[k] = deepest[k] = 0.0
@@ -121,7 +120,7 @@ def follow(
         if ramps is not None:
             until, width, whole = up_to_knot(ramps, j, base, end)
             polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
-        if tables.owner is not None and tables.own[slot] > 0:
+        if tables.owner is not None and tables.coupled[slot]:
             _bound_twisted_tails(tables, slot, term, tail)
         else:
             bound_tails(tables.weight[slot], term, terms, tail)
@@ -134,8 +133,6 @@ def follow(
         if which == NO_PROGRESS:
             motion.time[0], motion.counts[PENDING] = base + s, which
             return
-        if tables.owner is not None and tables.own[slot] > 0:
-            write_copies(tables, slot, term)
         if ramps is not None and whole and which == NO_SWITCH:
             turn_whole(tables, ramps, slot, theta0, term0, theta, term)
         beginning, ended = False, which != NO_SWITCH or until == end
@@ -198,9 +195,7 @@ def search(
     they are known there.
     """
     stops, positions = tables.sign.size, tables.forced.shape[1]
-    terms, fastest, twisted = tables.terms[slot], tables.fastest[slot], tables.own[slot] > 0
-    if twisted:
-        terms = tables.own[slot]  # the copies are known from the others
+    terms, fastest, twisted = tables.terms[slot], tables.fastest[slot], tables.coupled[slot]
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
     twist, idle = tables.twist[slot], tables.idle[slot]
@@ -313,8 +308,8 @@ def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatA
 
 @njit_inner()
 def _bound_twisted_tails(tables: Tables, slot: int, term: ComplexArray, tail: FloatArray) -> None:
-    """`bound_tails` of the terms of a coupled state without their second copies."""
-    for t in range(tables.own[slot] - 1, -1, -1):
+    """`bound_tails` of the terms of a coupled state."""
+    for t in range(tables.terms[slot] - 1, -1, -1):
         size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
         for u in range(tail.shape[0]):
             if tables.idle[slot, u]:
@@ -381,6 +376,8 @@ def add_areas(
         for t in range(tables.terms[slot]):
             change, over = term[t] - term0[t], inverse[t]
             z += weight[t] * (change.real * over.real - change.imag * over.imag)
+            if tables.owner is not None:
+                z -= tables.twist[slot, u, t] * (change.real * over.imag + change.imag * over.real)
         for h in range(theta.size):
             z -= (forced[h] * (theta[h] - theta0[h])).real / tables.omega[h]
         if rigid is not None:

@@ -124,12 +124,11 @@ class Tables(NamedTuple):
     """Whether each stop may not switch in this state, shape ``(S, P)``; see `analytic.march.coupled`."""
     idle: BoolArray
     """Whether no row at a position may switch in this state, shape ``(S, U)``."""
-    own: IntArray
-    """Number of terms without second copies, 0 in states without copies, shape ``(S,)``; see
-    `analytic.march.coupled`."""
+    coupled: BoolArray
+    """Whether damping couples the modes of each state, shape ``(S,)``; see `analytic.march.coupled`."""
     twist: FloatArray
-    """Weights of the second copies of the terms, kg^-1/2, shape ``(S, U, T)``; ``(S, 0, 0)`` if no
-    state may be coupled."""
+    """Imaginary parts of the weights of terms in coupled states, of which `weight` has the real parts, kg^-1/2, shape
+    ``(S, U, T)``; ``(S, 0, 0)`` if no state may be coupled."""
     gradient: FloatArray
     """Displacement at the positions of the stops for units of q and of v, kg^-1/2 and kg^-1/2 s, shape ``(S, U, 2,
     N)``; ``(S, 0, 2, 0)`` if no state may be coupled."""
@@ -300,7 +299,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         closed=np.zeros((S, P), dtype=np.bool_),
         asleep=np.zeros((S, P), dtype=np.bool_),
         idle=np.zeros((S, U), dtype=np.bool_),
-        own=np.zeros(S, dtype=np.int64),
+        coupled=np.zeros(S, dtype=np.bool_),
         twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
         still=np.zeros((S, V, 3)),

@@ -74,16 +74,6 @@ def start_terms(
         else:
             poly[i, 0] += x
             poly[i, 1] += y
-    if tables.owner is not None and tables.own[slot] > 0:
-        write_copies(tables, slot, term)
-
-
-@njit_inner()
-def write_copies(tables: Tables, slot: int, term: ComplexArray) -> None:
-    """Write the second copies of the terms of a coupled state, i times the first; see `analytic.march.coupled`."""
-    for t in range(tables.own[slot], tables.terms[slot]):
-        first = term[tables.mode_of[slot, t]]
-        term[t] = complex(-first.imag, first.real)
 
 
 @njit_called()
@@ -128,8 +118,6 @@ def state_from_terms(
             v[i] += tables.omega[h] * wave.real
     for t in range(terms):
         i = tables.mode_of[slot, t]
-        if t == tables.own[slot] and t > 0:
-            break  # copies come last
         q[i] += term[t].real
         v[i] += (tables.root[slot, t] * term[t]).real
 

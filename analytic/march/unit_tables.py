@@ -16,6 +16,7 @@ from analytic.march.loads import Harmonics
 from analytic.march.modal_state import LoadedStructure, passage
 from analytic.march.oscillator import ABOVE, away_from_resonance, forced_answer, may_resonate, roots_of
 from analytic.march.tables import (
+    BoolArray,
     FlatState,
     IntArray,
     Tables,
@@ -239,14 +240,14 @@ def scale_coupled(
     The states are in the slots from the `first` on, and the switches in rows from `row` on; `scale` has scaled the
     states that are not coupled.  `sizes` are as in `scale`, and `turns_at`, ``(1 + H + R,)``, is `Joint.turning`.
     """
-    parts = tables.modes, tables.own, tables.force, tables.gradient, tables.push, tables.harmonic, tables.forced
+    parts = tables.modes, tables.coupled, tables.force, tables.gradient, tables.push, tables.harmonic, tables.forced
     _scale_coupled(*parts, tables.whole_load, first, row, *turning, sizes, turns_at)
 
 
 @njit_called()
 def _scale_coupled(
     modes: IntArray,
-    own: IntArray,
+    coupled: BoolArray,
     force: FloatArray,
     gradient: FloatArray,
     push: ComplexArray,
@@ -275,12 +276,12 @@ def _scale_coupled(
         for load in range(sizes.size):
             s = turning[load]
             for i in range(modes[slot]):
-                if own[slot] == 0:
+                if not coupled[slot]:
                     push[slot, load, i] = force[slot, load, i]
                     continue
                 x = unit_push[state, 0, load, i] + s * (unit_push[state, 1, load, i] + s * unit_push[state, 2, load, i])
                 push[slot, load, i] = x * sizes[load]
-        for h in range(harmonic.shape[1] if own[slot] > 0 else 0):
+        for h in range(harmonic.shape[1] if coupled[slot] else 0):
             s = turning[1 + h]
             for u in range(forced.shape[1]):
                 forced[slot, u, h] = (beside[state, 0, u, 1 + h] + s * beside[state, 1, u, 1 + h]) * sizes[1 + h]
