@@ -187,7 +187,7 @@ class PeriodMap:
         end, matrix = march_linearised(self.joint, begin, duration, np.eye(start.coordinates.size))
         if end.state != start.state:
             if self.joint.damped:
-                matrix = self.joint.whole_passage(end.state, start.state)[0] @ matrix
+                matrix = self.joint.whole_map(end.state, start.state) @ matrix
             else:
                 matrix = _passed_on(self.joint.passage(end.state, start.state).S, matrix)
         known = Derivative(matrix)

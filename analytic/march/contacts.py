@@ -25,11 +25,11 @@ def contacts_of(joint: Joint, log: Log) -> tuple[Contact, ...]:
     An energy is not a number where there is no closed form that keeps its digits.
     """
     stops, closed = joint.problem.structure.stops, joint.tables.closed[log.slot[0]]
-    switched, areas, depths = log.stop, log.area, log.deepest
+    switched, areas, most = log.stop, log.area, log.deepest
     if joint.damped:
         closed, switched = closed[joint.force_rows], _force_switches(joint, log)
-        areas, depths = (np.ascontiguousarray(part[:, joint.force_rows]) for part in (areas, depths))
-    stop, rows, open_at, area, deepest = find_contacts(closed, switched, areas, depths)
+        areas, most = (np.ascontiguousarray(part[:, joint.force_rows]) for part in (areas, most))
+    stop, rows, open_at, area, deepest = find_contacts(closed, switched, areas, most)
     start, end = log.start[rows[:, 0]], log.end[rows[:, 1]]
     stiffness = np.array([it.stiffness for it in stops])
     impulse = np.array([it.sign * it.stiffness for it in stops])[stop] * area
@@ -72,12 +72,11 @@ def _stored(joint: Joint, log: Log, stop: IntArray, open_at: BoolArray) -> Float
 
 def _force_switches(joint: Joint, log: Log) -> IntArray:
     """The stop whose force begins or ends at the end of each of the ``M`` segments, or -1, shape ``(M,)``."""
-    closed, switched = joint.tables.closed[:, joint.force_rows], np.full(log.stop.size, -1)
-    for i in np.flatnonzero(log.stop >= 0).tolist():
-        after = joint.tables.next_slot[log.slot[i], log.stop[i]] if i == log.slot.size - 1 else log.slot[i + 1]
-        changed = np.flatnonzero(closed[log.slot[i]] != closed[after])
-        if changed.size:
-            switched[i] = changed[0]
+    last = log.slot[-1] if log.stop[-1] < 0 else joint.tables.next_slot[log.slot[-1], log.stop[-1]]
+    closed = joint.tables.closed[np.append(log.slot, last)][:, joint.force_rows]
+    segment, stop = np.nonzero(closed[1:] != closed[:-1])
+    switched = np.full(log.stop.size, -1)
+    switched[segment[::-1]] = stop[::-1]
     return switched
 
 

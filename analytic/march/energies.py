@@ -100,7 +100,7 @@ def _square(rate: ComplexArray, wave: ComplexArray, speed: ComplexArray, count: 
                 area = a * _integral(rate[i] + r, wave[i] * w, T)
                 re += half * area.real
                 im += half * area.imag
-                most += math.sqrt(area.real * area.real + area.imag * area.imag)
+                most += abs(area.real) + abs(area.imag)
             total += re * b.real - side * im * b.imag
             size += most * modulus
     return total, _ROUNDING * size

@@ -16,7 +16,7 @@ from analytic.march.depths import depths
 from analytic.march.joint import Joint
 from analytic.march.oscillator import away_from_resonance, forced_answer
 from analytic.march.quadrature import projected
-from analytic.march.tables import BoolArray, FlatState, IntArray
+from analytic.march.tables import BoolArray, FlatState, IntArray, Tables
 from analytic.march.touching import starting_state
 from analytic.modes.normal_modes import NormalModes
 from lapjoint.answers.contact_state import ContactState
@@ -97,30 +97,17 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
     """`resumed` where modes may be coupled; a closed damped stop presses where its force does not pull."""
     if not np.isfinite(values).all():
         raise InputError("start: has coordinates that are not finite")
-    if values.shape[1] == joint.count(state) and _as_it_was(joint, state, values):
-        return SectionPoint(state, values.copy())
-    slot, n, theta = joint.slot(state), joint.count(state), joint.harmonics.theta(0.0)
-    tables = joint.tables
-    waves, omega = np.exp(1j * theta), joint.harmonics.omega
-    begin = np.array(
-        [
-            tables.static[slot, :n, 0] + (waves @ tables.harmonic[slot, :, :n]).imag,
-            tables.static[slot, :n, 1] + ((1j * omega * waves) @ tables.harmonic[slot, :, :n]).imag,
-        ]
-    )
-    modal, m = joint.modal(state), min(n, values.shape[1])
-    if joint.coupled(state) is None or m == n == values.shape[1]:
-        begin[:, :m] = values[:, :m]
-    else:  # oscillators of more or fewer modes are others
-        other, part = np.array(joint.in_modes(state, begin[0], begin[1], 0.0)), values.shape[1]
-        other[:, :m] = np.array(joint.in_modes(state, values[0], values[1], 0.0, part))[:, :m]
-        begin = np.array(joint.from_modes(state, other[0], other[1], 0.0))
+    begin = values.copy() if values.shape[1] == joint.count(state) else _of_other_modes(joint, state, values)
+    slot, stops = joint.slot(state), joint.loaded.problem.structure.stops  # `slot` may replace the tables
+    if not joint.sampled and _as_it_was(joint.tables, slot, len(stops), *begin):
+        return SectionPoint(state, begin)
+    theta, omega, modal = joint.harmonics.theta(0.0), joint.harmonics.omega, joint.modal(state)
     q, v = joint.in_modes(state, begin[0], begin[1], 0.0)
     left_out = joint.left_out(state)
     z = modal.at_stops @ q + left_out[0] + np.sin(theta) @ left_out[1:]
     rate = modal.at_stops @ v + (omega * np.cos(theta)) @ left_out[1:]
     closed, released = [], []
-    for k, stop in enumerate(joint.loaded.problem.structure.stops):
+    for k, stop in enumerate(stops):
         depth, near = stop.sign * z[k] - stop.gap, TOUCHING * abs(stop.gap)
         if depth > (-near if k in state else 0.0):
             closed.append(k)
@@ -134,18 +121,39 @@ def _resumed_damped(joint: Joint, state: ContactState, values: FloatArray) -> Se
     return SectionPoint(there, np.array((now.q, now.v)))
 
 
-def _as_it_was(joint: Joint, state: ContactState, values: FloatArray) -> bool:
-    """Whether coordinates ``(2, N)`` in a state of a joint with damped stops press what the state presses; False along
-    sampled loads, where it is not looked at."""
-    if joint.sampled:
-        return False
-    slot, P = joint.slot(state), len(joint.loaded.problem.structure.stops)
-    tables = joint.tables
-    closed, near = tables.closed[slot], TOUCHING * np.abs(tables.gap)
-    depth = depths(tables, slot, 0.0, *np.ascontiguousarray(values))
-    gaps = np.where(closed, depth > -near, depth <= 0)
-    forces = np.where(closed, depth >= -near, depth < near) | tables.asleep[slot]
-    return bool(gaps[:P].all() and forces[P:].all())
+def _of_other_modes(joint: Joint, state: ContactState, values: FloatArray) -> FloatArray:
+    """Coordinates ``(2, N)`` in a state from those of more or fewer modes; modes that are lacking follow the loads."""
+    slot, n, part = joint.slot(state), joint.count(state), values.shape[1]
+    tables, waves, m = joint.tables, np.exp(1j * joint.harmonics.theta(0.0)), min(n, part)
+    begin = np.array(
+        [
+            tables.static[slot, :n, 0] + (waves @ tables.harmonic[slot, :, :n]).imag,
+            tables.static[slot, :n, 1] + ((1j * tables.omega * waves) @ tables.harmonic[slot, :, :n]).imag,
+        ]
+    )
+    if joint.coupled(state) is None:
+        begin[:, :m] = values[:, :m]
+        return begin
+    other = np.array(joint.in_modes(state, begin[0], begin[1], 0.0))  # oscillators of more or fewer modes are others
+    other[:, :m] = np.array(joint.in_modes(state, values[0], values[1], 0.0, part))[:, :m]
+    return np.array(joint.from_modes(state, other[0], other[1], 0.0))
+
+
+@njit_called()
+def _as_it_was(tables: Tables, slot: int, stops: int, q: FloatArray, v: FloatArray) -> bool:
+    """Whether coordinates ``(N,)`` in a state of a joint with damped stops press what the state presses, at t = 0.
+
+    The first `stops` rows of the tables are those of gaps; those of forces count while a force may end or begin.
+    """
+    depth = depths(tables, slot, 0.0, q, v)
+    for row in range(depth.size):
+        d, near, closed = depth[row], TOUCHING * abs(tables.gap[row]), tables.closed[slot, row]
+        if row < stops:
+            if d <= -near if closed else d > 0:
+                return False
+        elif not tables.asleep[slot, row] and (d < -near if closed else d >= near):
+            return False
+    return True
 
 
 @njit_called()

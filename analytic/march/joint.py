@@ -165,9 +165,10 @@ class Joint:
         return found
 
     def of_loads(self, parts: FloatArray) -> ComplexArray:
-        """What each load does at its real size, ``(1 + H + R, ...)``; `parts` are coefficients as in `Coupled`."""
-        powers = self.turning ** np.arange(parts.shape[0])[:, None]
-        return np.asarray(np.einsum("pl,pl...->l...", powers * self.sizes, parts))
+        """What each load does at its real size, ``(1 + H + R, n)``; `parts`, ``(p, 1 + H + R, n)``, has coefficients as
+        in `Coupled`."""
+        powers = self.sizes * self.turning ** np.arange(parts.shape[0])[:, None]
+        return np.asarray((powers[:, :, None] * parts).sum(axis=0))
 
     def residual(self, state: ContactState) -> Residual:
         """The residual shapes, m, of the 1 + H + R loads at their real size; the constant load is first."""
@@ -206,6 +207,10 @@ class Joint:
         """
         whole, load = whole_passage(self.loaded, old, self.count(old), new, self.count(new))
         return whole, self.of_loads(load)
+
+    def whole_map(self, old: ContactState, new: ContactState) -> FloatArray:
+        """The map of `whole_passage`, ``(2 N, 2 N)``, alone; not to be written to."""
+        return whole_passage(self.loaded, old, self.count(old), new, self.count(new))[0]
 
     def from_modes(self, state: ContactState, q: FloatArray, v: FloatArray, t: float) -> tuple[FloatArray, FloatArray]:
         """Coordinates of a state from displacements and velocities of its modes, ``(N,)``, at the time `t`, s."""

@@ -219,17 +219,14 @@ def _saltation_of_coupled(
     """
     n_old, n_new, m = tables.modes[old], tables.modes[new], now.shape[1]
     delay, before, after = work.delay, work.before, work.after
-    J, load = zeros((2 * n_new, 2 * n_old)), tables.whole_load[row]
-    for a in range(2):
-        for b in range(2):
-            for j in range(n_new):
-                for i in range(n_old):
-                    J[a * n_new + j, b * n_old + i] = tables.whole[row, a, j, b, i]
+    J, load = _whole_of(tables.whole[row], n_new, n_old), tables.whole_load[row]
     for c in range(m):
         delay[c] = level[c] / rate
-        for b in range(2):
-            for i in range(n_old):
-                delay[c] += late * tables.gradient[old, u, b, i] * now[b * n_old + i, c]
+    for b in range(2):
+        for i in range(n_old):
+            weight = late * tables.gradient[old, u, b, i]
+            for c in range(m):
+                delay[c] += weight * now[b * n_old + i, c]
     _project(J, now[: 2 * n_old], then[: 2 * n_new])
     for a in range(2):
         for j in range(n_new):
@@ -240,6 +237,23 @@ def _saltation_of_coupled(
                 x += tables.omega[h] * (load[1 + h, a, j] * theta[h]).real
             for c in range(m):
                 then[a * n_new + j, c] += x * delay[c]
+
+
+@njit_inner()
+def _whole_of(whole: FloatArray, n_new: int, n_old: int) -> FloatArray:
+    """A row of `Tables.whole`, ``(2, N, 2, N)``, as a matrix, ``(2 N_new, 2 N_old)``; without a copy if there is no
+    mode to spare."""
+    N = whole.shape[1]
+    J = whole.reshape((2 * N, 2 * N))
+    if n_new == N and n_old == N:
+        return J
+    part = zeros((2 * n_new, 2 * n_old))
+    for a in range(2):
+        for b in range(2):
+            for j in range(n_new):
+                for i in range(n_old):
+                    part[a * n_new + j, b * n_old + i] = J[a * N + j, b * N + i]
+    return part
 
 
 @njit_inner()
@@ -260,6 +274,8 @@ def set_levels(
     switch, `switched`, `work.delay` says by how much later each deviation began it.
     """
     level, m = work.level, now.shape[1]
+    if tables.owner is not None:
+        _write_rates(tables, slot, theta, q, v, work.after)
     for k in range(tables.sign.size):
         h, rise = 0.0, 0.0
         if tables.owner is None:
@@ -292,9 +308,8 @@ def set_levels(
 def _gap_function_of_coupled(
     tables: Tables, slot: int, k: int, theta: ComplexArray, q: FloatArray, v: FloatArray, rates: FloatArray
 ) -> tuple[float, float]:
-    """`_gap_function` of a joint with damped stops; `rates`, ``(2 N,)``, is overwritten."""
+    """`_gap_function` of a joint with damped stops; `rates`, ``(2 N,)``, are those of `_write_rates`."""
     u, n, gradient = tables.position[k], tables.modes[slot], tables.gradient[slot, tables.position[k]]
-    _write_rates(tables, slot, theta, q, v, rates)
     z, z1 = tables.constant[slot, u], 0.0
     for i in range(n):
         z += gradient[0, i] * q[i] + gradient[1, i] * v[i]

@@ -50,7 +50,7 @@ def terms_at_points(
     return terms, misses
 
 
-@njit_called()
+@njit_called(vectorised=True)
 def largest_motion(
     segment: IndexArray,
     tau: FloatArray,

@@ -38,7 +38,8 @@ def undecided_breaks_of_orbit(orbit: Orbit, finer: Orbit, refinement: Refinement
     if not gaps.size:
         return np.zeros((2, 0))
     motions = Segments.of(orbit.last.linearised.segments), finer.last.linearised.motion
-    dips = [_dips(motion, stops, gaps) for motion in motions]
+    rows = rows_of(stops)
+    dips = [_dips(motion, stops, rows, gaps) for motion in motions]
     time, which = (np.concatenate(part) for part in zip(*dips, strict=True))
     inside = motions[0].closed[_segments_at(motions[0], time), gaps[which]]
     time, stop = time[inside], gaps[which[inside]]
@@ -95,13 +96,15 @@ def _may_break(stops: Sequence[PlacedStop]) -> list[int]:
     return [k for k, stop in enumerate(stops) if stop.damping > 0 and not stop.may_pull]
 
 
-def _dips(motion: Segments, stops: Sequence[PlacedStop], gaps: IndexArray) -> tuple[FloatArray, IndexArray]:
+def _dips(
+    motion: Segments, stops: Sequence[PlacedStop], every: Stops, gaps: IndexArray
+) -> tuple[FloatArray, IndexArray]:
     """Times, s, of the least values of the forces of the stops `gaps`, ``(R,)``, while these are closed, and the index
-    of each among `gaps`, ``(m,)`` each.
+    of each among `gaps`, ``(m,)`` each; `every` has all rows of `rows_of`.
 
     A force has no least value where it begins or ends: where its own row or that of its gap switches.
     """
-    rows, every = _force_rows(stops, gaps), rows_of(stops)
+    rows = _force_rows(stops, gaps)
     forces = Stops._make(part[rows] for part in every)._replace(place=np.arange(rows.size))
     which, time, _, highest = gap_extrema(motion_at(motion, rows), in_c_order(forces))
     least = awake_rows(stops, motion.closed)[_segments_at(motion, time), rows[which]] & ~highest
