@@ -84,7 +84,7 @@ def test_contacts_that_are_lost_one_after_the_other_end_no_branch() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("low", "high"), [(4.2, 95.0), (95.0, 110.0)])
+@pytest.mark.parametrize(("low", "high"), [pytest.param(4.2, 95.0, marks=pytest.mark.slow), (95.0, 110.0)])
 def test_from_broken_symmetries_branches_spring_and_end_where_motions_mirror_themselves(
     low: float, high: float
 ) -> None:

@@ -164,7 +164,7 @@ def test_a_section_point_of_another_resolution_leads_there_soon(coarse: AnySolve
         (analytic.Solver(n_modes=12), 1100.0, ViscousDamping(coefficient=100.0)),
         pytest.param(analytic.Solver(n_modes=12), 700.0, ModalDamping(ratio=0.002), marks=thorough),
         pytest.param(fe_lapjoint.Solver(elements=2), 380.0, ViscousDamping(coefficient=1500.0), marks=thorough),
-        pytest.param(fe_lapjoint.Solver(elements=2), 380.0, ModalDamping(ratio=0.02), marks=thorough),
+        pytest.param(fe_lapjoint.Solver(elements=2), 380.0, ModalDamping(ratio=0.02), marks=pytest.mark.slow),
     ],
 )
 def test_chaos_is_certified_by_a_positive_exponent(solver: AnySolver, omega: float, damping: Any) -> None:

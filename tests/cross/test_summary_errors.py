@@ -96,7 +96,7 @@ def pooled(numbers: dict[tuple[str, str], FloatArray]) -> dict[tuple[str, str], 
     }
 
 
-@pytest.mark.parametrize("indices", few_and_many(QUICK[:2], QUICK, pytest.mark.thorough))
+@pytest.mark.parametrize("indices", few_and_many(QUICK[:2], QUICK))
 def test_errors_of_a_few_summaries_hold(indices: Iterable[int], monkeypatch: pytest.MonkeyPatch) -> None:
     """Of few modes and elements, with no more samples than those take: in a fraction of the time."""
     monkeypatch.setattr(of_orbit, "MOST", 4096)

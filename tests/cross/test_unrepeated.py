@@ -138,7 +138,7 @@ def test_a_motion_of_fourteen_periods_is_found_or_left_undecided_with_its_expone
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("longest", [14, 56])
+@pytest.mark.parametrize("longest", [14, pytest.param(56, marks=pytest.mark.slow)])
 def test_of_a_motion_and_one_that_circles_it_the_one_marched_to_is_certified(longest: int) -> None:
     """With 18 elements a motion of 56 periods lies 0.8 % of its size from a stable orbit of 14.
 
