@@ -174,7 +174,18 @@ class Line:
         return None if found[1] <= L else (text, f"lies outside the beam; allowed are 0 to {L:g} m")
 
     def exact_place(self, x: float) -> float | str:
-        """A position on the line, m, as a place that stays on its beam if lengths change: one that `at` takes."""
+        """A position as a place that stays on its beam if the lengths of beams change.
+
+        Parameters
+        ----------
+        x : float
+            Position on the line, m.
+
+        Returns
+        -------
+        float or str
+            The place, as `at` takes it: the position, or of several beams a name and a position.
+        """
         if not self.several:
             return x
         i = self.beam_at(x)
