@@ -137,17 +137,22 @@ def interrupts_held() -> Iterator[None]:
 
 
 def _begin(all_started: Barrier) -> None:
-    """In a new process: leave Ctrl-C to the parent, end with it however it ends, and wait for the other processes."""
+    """In a new process of a pool: `end_with_parent`, and wait for the other processes."""
+    end_with_parent()
+    all_started.wait()
+
+
+def end_with_parent() -> None:
+    """In a new process: leave Ctrl-C to the parent, and end with the parent however the parent ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
 
-    def end_with_parent() -> None:
+    def end() -> None:
         parent.join()
         os._exit(1)
 
-    threading.Thread(target=end_with_parent, daemon=True).start()
-    all_started.wait()
+    threading.Thread(target=end, daemon=True).start()
 
 
 def _ready() -> None:

@@ -190,8 +190,14 @@ def sizes(problem: Problem, blocks: Sequence[Block]) -> tuple[str, ...]:
 def steady(problem: Problem, level: Level, say: Say) -> CaseResult:
     """The steady state, if the excitation has one frequency."""
     say("steady state")
+    found = [make_solver(name, **options).steady_state(problem) for name, options in SOLVERS.items()]
+    return steady_by_both(problem, found, level, say)
+
+
+def steady_by_both(problem: Problem, both: Sequence[SteadyState], level: Level, say: Say) -> CaseResult:
+    """The comparison of the steady states that the two `SOLVERS` found."""
     solvers = [make_solver(name, **options) for name, options in SOLVERS.items()]
-    one, other = (solver.steady_state(problem) for solver in solvers)
+    one, other = both
     explanation = ""
     same = same_motion(one, other)
     if not same:

@@ -44,7 +44,8 @@ class SweepJob(Job[Plan, Point]):
         try:
             problem = _started(plan, point, number, solver)
             start = None if section is None else section_from(section)
-            found = solver.steady_state(problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors)
+            effort: dict[str, Any] = {"sensitivity": plan.sensitivity, "errors": plan.errors, "progress": progress}
+            found = solver.steady_state(problem, start=start, **effort)
             samples = strobed(found, plan.strobe, plan.at) if plan.at is not None else {}
         except SolverError as error:
             return Point(message=str(error)), section

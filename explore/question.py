@@ -1,0 +1,134 @@
+"""What a page asks: a problem and a range of frequencies, as a link or a file brings them back."""
+
+from __future__ import annotations
+
+import base64
+import json
+import shlex
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import tomli_w
+
+from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
+from lapjoint.campaigns.sweep.spec import Plan
+from lapjoint.cli.arguments import frequencies
+from lapjoint.errors import InputError
+from lapjoint.problem import Problem
+from lapjoint.problem.files import problem_from_tables, tables_from_toml, to_toml
+
+INTERVALS = 400
+"""Number of intervals between the frequencies of a whole curve."""
+STEPS = 10, 4, 1
+"""Intervals between the frequencies of the curves that follow each other, which have 41, 101 and 401 of them."""
+RANGE = 0.2, 2.0
+"""First and last frequency of the curve of a problem that is opened, as shares of its own frequency."""
+LONGEST_LINK = 100_000
+"""Most characters of a state in a link; browsers take addresses of this length."""
+MOST_UNPACKED = 4_000_000
+"""Most bytes of a state: a link that unpacks to more was not made by this program."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a page asks.  The problem is as it was typed, and need not be valid."""
+
+    problem: str
+    """The problem as TOML; its own excitation frequency is that of the cycle that is shown."""
+    first: float
+    """First excitation frequency of the curve, rad/s."""
+    last: float
+    """Last excitation frequency of the curve, rad/s."""
+    folder: str = "."
+    """Folder from which files of samples are looked for."""
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The tables of the problem."""
+        return tables_from_toml(self.problem, "problem")
+
+    def with_tables(self, tables: Mapping[str, Any]) -> Question:
+        """The question with another problem."""
+        return replace(self, problem=tomli_w.dumps(tables))
+
+    def made(self) -> Problem:
+        """The validated problem; an `InputError` has a line for each fault."""
+        return problem_from_tables(self.tables, "problem", self.folder)
+
+    def plan(self) -> Plan:
+        """The sweep whose points are the curve; an `InputError` if there is none."""
+        if not self.last > self.first:
+            raise InputError(f"to = {self.last:g} rad/s: must be greater than from, {self.first:g} rad/s")
+        return Plan(Grid(self.made(), (Axis(FREQUENCY, frequencies(self.first, self.last, self._step)),)))
+
+    @property
+    def _step(self) -> float:
+        return (self.last - self.first) / INTERVALS
+
+    def at_frequency(self, omega: float) -> Question:
+        """The question whose cycle has an excitation frequency, rad/s; an `InputError` if it cannot have it."""
+        return replace(self, problem=to_toml(Grid(self.made(), (Axis(FREQUENCY, (omega,)),)).problem_at(0)))
+
+    def commands(self, file: str) -> tuple[str, ...]:
+        """The commands that compute what the page shows of the problem in a file."""
+        name = shlex.quote(file)
+        return (
+            f"lapjoint sweep {name} --from {self.first!r} --to {self.last!r} --step {self._step!r} --out curve.nc",
+            f"lapjoint steady {name}",
+            f"lapjoint validate {name} --case steady --quick",
+        )
+
+    def packed(self) -> str:
+        """The question as text for a link, of letters, digits, ``-`` and ``_``."""
+        return base64.urlsafe_b64encode(zlib.compress(self.written().encode(), 9)).decode().rstrip("=")
+
+    def written(self) -> str:
+        """The question as the text of a file."""
+        return json.dumps({"problem": self.problem, "from": self.first, "to": self.last}, indent=1)
+
+
+def opened(tables: Mapping[str, Any], folder: str = ".") -> Question:
+    """The first question about a problem: the curve covers `RANGE` of its frequency."""
+    question = Question(tomli_w.dumps(tables), 1.0, 10.0, folder)
+    omega = question.made().excitation_frequency
+    return question if omega is None else replace(question, first=RANGE[0] * omega, last=RANGE[1] * omega)
+
+
+def coarse_to_fine(size: int) -> list[list[int]]:
+    """The indices of the frequencies of a curve in `STEPS`, each list without those of the lists before it."""
+    found: list[list[int]] = []
+    known: set[int] = set()
+    for step in STEPS:
+        found.append([i for i in range(0, size, step) if i not in known])
+        known.update(found[-1])
+    return found
+
+
+def unpacked(text: str, folder: str = ".") -> Question:
+    """The question in a link, as `Question.packed` writes it; an `InputError` if it is none."""
+    try:
+        if len(text) > LONGEST_LINK:
+            raise ValueError
+        raw = base64.b64decode(text + "=" * (-len(text) % 4), altchars=b"-_", validate=True)
+        unpacking = zlib.decompressobj()
+        whole = unpacking.decompress(raw, MOST_UNPACKED)
+        if not unpacking.eof:
+            raise ValueError
+        return read_back(whole.decode(), folder)
+    except (ValueError, zlib.error):
+        raise InputError("the link: is not whole, or was not made by this page") from None
+
+
+def read_back(text: str, folder: str = ".") -> Question:
+    """The question in the text of a file, as `Question.written` writes it; an `InputError` if it is none."""
+    try:
+        state = json.loads(text)
+        if not isinstance(state["problem"], str):
+            raise ValueError
+        question = Question(state["problem"], float(state["from"]), float(state["to"]), folder)
+    except (ValueError, TypeError, KeyError, RecursionError, OverflowError):
+        raise InputError("the state: is not whole, or was not written by this page") from None
+    _ = question.tables
+    return question
