@@ -9,7 +9,7 @@ from typing import Literal
 from lapjoint.campaigns.point import Point
 from lapjoint.problem import FloatArray
 from lapjoint.summaries.blocks import Block
-from validation.case import CaseResult
+from validation.case import CaseResult, Table
 
 Part = Literal["curve", "cycle"]
 """The parts of a question, each of which is answered for itself."""
@@ -63,6 +63,8 @@ class Cycle:
     """Floquet multipliers; none if the motion does not repeat."""
     blocks: tuple[Block, ...]
     """What the command line prints of the steady state."""
+    tables: tuple[Table, ...]
+    """The same as tables of one solver."""
 
 
 @dataclass(frozen=True)

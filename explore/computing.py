@@ -34,14 +34,14 @@ class Computing:
 
     Parameters
     ----------
-    deliver : Deliver
-        Gets the answers to the newest questions.
+    deliver : Deliver, optional
+        Gets the answers to the newest questions; it can be set later.
     processes : int, optional
         Number of processes of the curve; by default one for each processor, at most `MOST_PROCESSES`.
     """
 
-    def __init__(self, deliver: Deliver, processes: int | None = None) -> None:
-        self._deliver = deliver
+    def __init__(self, deliver: Deliver | None, processes: int | None = None) -> None:
+        self.deliver = deliver
         shares = processes or min(MOST_PROCESSES, len(os.sched_getaffinity(0)))
         self._lock = threading.Lock()
         self._asked: dict[Part, _Asked] = {"curve": _Asked(), "cycle": _Asked()}
@@ -62,6 +62,12 @@ class Computing:
     def newest(self, part: Part) -> int:
         """The number of the newest question of a part."""
         return self._asked[part].number
+
+    def rest(self) -> None:
+        """Ask nothing, and deliver nothing, until there is another question."""
+        self.deliver = None
+        for part in self._asked:
+            self.ask(part, None)
 
     def close(self) -> None:
         """End the processes; no answer is handed on afterwards."""
@@ -87,8 +93,9 @@ class Computing:
                         number, answer = process.pipe.recv()
                     except (EOFError, OSError):
                         answer, number = self._replace(i)
-                    if answer is not None and number == self.newest(process.part):
-                        self._deliver(process.part, number, answer)
+                    deliver = self.deliver
+                    if deliver is not None and answer is not None and number == self.newest(process.part):
+                        deliver(process.part, number, answer)
 
     def _replace(self, i: int) -> tuple[Failed | None, int]:
         """Put another process in the place of one that died, and ask it the same, unless the question kills them."""

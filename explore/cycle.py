@@ -12,6 +12,7 @@ from explore.question import Question
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.solver import Progress, make_solver
 from lapjoint.summaries.blocks import steady_blocks
+from validation.cases.both_answers import tables_of
 from validation.cases.own_problem import SOLVERS, steady_by_both
 
 TIMES = 1200
@@ -32,7 +33,7 @@ def cycle_answers(question: Question, look: Progress) -> Iterator[CycleFound | C
     problem, found = question.made(), []
     for name, options in SOLVERS.items():
         found.append(make_solver(name, **options).steady_state(problem, progress=look))
-        yield CycleFound(name, cycle_of(found[-1]))
+        yield CycleFound(name, cycle_of(found[-1], name))
 
     def say(line: str) -> None:
         look(0.0, 1.0)
@@ -40,8 +41,8 @@ def cycle_answers(question: Question, look: Progress) -> Iterator[CycleFound | C
     yield Compared(steady_by_both(problem, found, "quick", say))
 
 
-def cycle_of(found: SteadyState) -> Cycle:
-    """A steady state as a page draws it."""
+def cycle_of(found: SteadyState, solver: str) -> Cycle:
+    """A steady state that a solver found, by its short name, as a page draws it."""
     problem, history = found.problem, found.history
     period = problem.require_excitation_period("cycle")
     end = min(history.end, history.start + LONGEST * period)
@@ -49,7 +50,7 @@ def cycle_of(found: SteadyState) -> Cycle:
     x = np.concatenate(
         [np.linspace(start, stop, PLACES) for start, stop in zip(problem.line.starts, problem.line.ends, strict=True)]
     )
-    place = problem.one_position()
+    place, blocks = problem.one_position(), tuple(steady_blocks(found))
     bars = [
         Bar(c.stop, c.start - history.start, min(c.end, end) - history.start, c.impulse)
         for c in history.contacts
@@ -70,5 +71,6 @@ def cycle_of(found: SteadyState) -> Cycle:
         history.displacement(x, frames).T,
         history.faces(frames).T,
         tuple(complex(value) for value in found.multipliers if math.isfinite(abs(value))),
-        tuple(steady_blocks(found)),
+        blocks,
+        tables_of(problem, {solver: blocks}),
     )

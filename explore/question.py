@@ -8,16 +8,18 @@ import shlex
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import tomli_w
 
 from lapjoint.campaigns.grid import FREQUENCY, Axis, Grid
 from lapjoint.campaigns.sweep.spec import Plan
-from lapjoint.cli.arguments import frequencies
+from lapjoint.cli.arguments import frequencies, problem_from
 from lapjoint.errors import InputError
+from lapjoint.files.reading import read_file
 from lapjoint.problem import Problem
-from lapjoint.problem.files import problem_from_tables, tables_from_toml, to_toml
+from lapjoint.problem.files import problem_from_tables, problem_tables, tables_from_toml, to_toml
 
 INTERVALS = 400
 """Number of intervals between the frequencies of a whole curve."""
@@ -132,3 +134,19 @@ def read_back(text: str, folder: str = ".") -> Question:
         raise InputError("the state: is not whole, or was not written by this page") from None
     _ = question.tables
     return question
+
+
+def first_question(source: str, overrides: tuple[str, ...] = ()) -> Question:
+    """The first question about a file or a preset, with changes as ``--set`` takes them.
+
+    A file that ends in .json is a state, as `Question.written` writes it.
+    """
+    folder = "." if source.startswith("preset:") else str(Path(source).parent)
+    if source.endswith(".json"):
+        if overrides:
+            raise InputError(f"--set {overrides[0]}: changes a problem, and {source} is the state of a page")
+        try:
+            return read_back(read_file(source).decode(), folder)
+        except UnicodeDecodeError:
+            raise InputError(f"{source}: is not a text file in UTF-8") from None
+    return opened(problem_tables(problem_from(source, overrides)), folder)

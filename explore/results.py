@@ -1,0 +1,65 @@
+"""What both solvers answer at the chosen frequency, as tables of HTML with the verdict above them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from html import escape
+
+from explore.answers import Cycle
+from validation.case import CaseResult, Table
+from validation.verdict import Verdict
+
+STYLE = """
+:host { font-size: 0.9rem; --line: color-mix(in srgb, currentColor 20%, transparent) }
+table { border-collapse: collapse; margin: 0.2rem 0 1rem; width: 100%; font-variant-numeric: tabular-nums }
+caption { text-align: left; font-weight: 600; padding: 0.3rem 0 }
+th, td { text-align: left; vertical-align: top; padding: 0.15rem 0.8rem 0.15rem 0 }
+th, td { border-bottom: 1px solid var(--line) }
+.table { overflow-x: auto }
+.verdict { font-size: 1.05rem; font-weight: 600; border-left: 6px solid; padding: 0.3rem 0.7rem; margin: 0 0 0.6rem }
+.agree { border-color: #009e73 }
+.explained { border-color: #e69f00 }
+.disagree { border-color: #d55e00 }
+.wait { border-color: gray; font-weight: 400 }
+"""
+_SAID = {
+    Verdict.AGREE: "The solvers agree",
+    Verdict.EXPLAINED: "The solvers differ, and the reason is known",
+    Verdict.DISAGREE: "The solvers disagree",
+}
+
+
+def verdict_line(result: CaseResult | None, cycles: Mapping[str, Cycle], failed: str) -> str:
+    """The verdict as a line of HTML, or what is still missing for one."""
+    if failed:
+        return _line("disagree" if cycles else "wait", failed)
+    if result is None:
+        waiting = "Computing the cycle ..." if not cycles else "The other solver is still computing ..."
+        return _line("wait", waiting)
+    agree = sum(item.verdict is Verdict.AGREE for item in result.items)
+    numbers = f"{agree} of {len(result.items)} comparisons and invariants hold within stated errors"
+    return _line(result.verdict.value, f"{_SAID[result.verdict]}: {numbers}.")
+
+
+def tables(result: CaseResult | None, cycles: Mapping[str, Cycle]) -> str:
+    """All tables as HTML: of both solvers side by side, or of the one that is done."""
+    if result is not None:
+        notes = "".join(f"<p>{escape(note)}</p>" for note in result.notes)
+        return notes + "".join(map(_table, (*result.answer, *result.certificate)))
+    return "".join(_table(table) for cycle in cycles.values() for table in cycle.tables)
+
+
+def _line(kind: str, text: str) -> str:
+    return f'<p class="verdict {kind}">{escape(text)}</p>'
+
+
+def _table(table: Table) -> str:
+    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.columns)
+    rows, before = [], None
+    for row in table.rows:
+        first = "" if table.grouped and row[0] == before else row[0]
+        before = row[0]
+        rows.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in (first, *row[1:])) + "</tr>")
+    title, body = escape(table.title), "".join(rows)
+    content = f"<caption>{title}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody>"
+    return f'<div class="table" tabindex="0" role="group" aria-label="{title}"><table>{content}</table></div>'
