@@ -1,4 +1,4 @@
-"""The pictures of the cycle: displacement over time with the contacts below it, and velocity over displacement."""
+"""The pictures of the cycle: displacement over time, contacts, velocity over displacement, and Floquet multipliers."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from lapjoint.figures.style import COLOURS
 HEIGHT, ROW = 260, 26
 """Height of a picture, and of the row of a stop, pixels."""
 NAMES = {"analytic": "analytic", "fe": "finite elements"}
+MARKERS = {"analytic": "circle", "fe": "square"}
 DASHES = {"analytic": "solid", "fe": "dashed"}
 
 
 class CyclePictures:
-    """Time history, contacts and phase portrait of the cycle, by both solvers."""
+    """Time history, contacts, phase portrait and multipliers of the cycle, by both solvers."""
 
     def __init__(self) -> None:
         self._time = {name: ColumnDataSource({"t": [], "z": [], "v": []}) for name in NAMES}
@@ -86,9 +87,32 @@ class CyclePictures:
             ("impulse", "@impulse{0.0000} N s"),
         ]
         self.contacts.add_tools(HoverTool(tooltips=tips, renderers=[bars]))
+        self._multipliers = {name: ColumnDataSource({"re": [], "im": []}) for name in NAMES}
+        self.multipliers = figure(
+            height=HEIGHT,
+            sizing_mode="stretch_width",
+            tools="save",
+            toolbar_location="above",
+            match_aspect=True,
+            x_axis_label="multiplier, real part",
+            y_axis_label="imaginary part",
+            name="multipliers",
+        )
+        self.multipliers.circle(x=0.0, y=0.0, radius=1.0, fill_alpha=0.0, line_color="gray")
+        for i, name in enumerate(NAMES):
+            self.multipliers.scatter(
+                "re",
+                "im",
+                source=self._multipliers[name],
+                marker=MARKERS[name],
+                size=9,
+                fill_alpha=0.0,
+                line_width=2,
+                line_color=COLOURS[i],
+            )
         self._now = Span(dimension="height", line_color="gray", line_dash="dotted", visible=False)
         self.history.add_layout(self._now)
-        for one in (self.history, self.contacts, self.portrait):
+        for one in (self.history, self.contacts, self.portrait, self.multipliers):
             one.toolbar.logo = None
         for one in (self.history, self.portrait):
             one.legend.visible = False
@@ -105,6 +129,8 @@ class CyclePictures:
                 "z": none if cycle is None else cycle.z,
                 "v": none if cycle is None else cycle.v,
             }
+            values = np.array(() if cycle is None else cycle.multipliers, dtype=complex)
+            self._multipliers[name].data = {"re": values.real, "im": values.imag}
         rows = [
             (stops[bar.stop], bar.start, bar.end, bar.impulse, NAMES[name], COLOURS[list(NAMES).index(name)])
             for name, cycle in cycles.items()

@@ -16,8 +16,8 @@ from lapjoint.problem.override import toml_value
 
 Change = Callable[[Callable[[Mapping[str, Any]], editing.Tables], str], None]
 """Takes a change of the tables of a problem, and the path that it changes."""
-OPEN = ("beam", "stops", "base_motion")
-"""Parts that are open when a page is opened: those that hardly any joint is without."""
+OPEN = ("stops", "base_motion")
+"""Parts that are open when a page is opened: where a joint is loose, and what shakes it."""
 _WIDE = "stretch_width"
 
 
@@ -74,7 +74,7 @@ class FormView:
         """Groups and lists, each below its heading; what is in them is made when it is opened."""
         insides = [pmui.Column(sizing_mode=_WIDE) for _ in parts]
         active = [i for i, part in enumerate(parts) if part.path in self._open]
-        headings = [(part.label, inside) for part, inside in zip(parts, insides, strict=True)]
+        headings = [(_heading(part), inside) for part, inside in zip(parts, insides, strict=True)]
         folded = pmui.Accordion(*headings, active=active, sizing_mode=_WIDE, disable_gutters=True)
 
         def fill(*_: Any) -> None:
@@ -178,6 +178,13 @@ class FormView:
     def _changed(self, edit: Callable[[Mapping[str, Any]], editing.Tables], path: str) -> None:
         if not self._showing:
             self._change(edit, path)
+
+
+def _heading(part: Group | Listing) -> str:
+    """The name of a group or a list, and how much there is of it."""
+    if isinstance(part, Listing):
+        return f"{part.label} ({len(part.items) or 'none'})"
+    return f"{part.label} (none)" if part.absent else part.label
 
 
 def _on(part: Field) -> bool:

@@ -7,7 +7,9 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from html import escape
 from typing import Any
+from urllib.parse import parse_qs
 
 import panel as pn
 import panel_material_ui as pmui
@@ -111,15 +113,15 @@ class Page:
             pmui.FlexBox(self._back, self._again, save, state),
             pmui.Row(self._start, self._file, sizing_mode=_WIDE),
             self._messages,
-            self._slider.view,
             self._form.view,
             sizing_mode=_WIDE,
         )
         pictures = self._cycle_pictures
         right = pmui.Column(
-            pmui.Row(self._first, self._last, sizing_mode=_WIDE),
+            self._slider.view,
             pn.pane.Bokeh(self._curve_picture.figure, sizing_mode=_WIDE),
             self._summary,
+            pmui.Row(self._first, self._last, sizing_mode=_WIDE),
             self._headline,
             self._verdict,
             pmui.Grid(
@@ -128,7 +130,11 @@ class Page:
                     pn.pane.Bokeh(pictures.contacts, sizing_mode=_WIDE),
                     size={"xs": 12, "lg": 7},
                 ),
-                pmui.Grid(pn.pane.Bokeh(pictures.portrait, sizing_mode=_WIDE), size={"xs": 12, "lg": 5}),
+                pmui.Grid(
+                    pn.pane.Bokeh(pictures.portrait, sizing_mode=_WIDE),
+                    pn.pane.Bokeh(pictures.multipliers, sizing_mode=_WIDE),
+                    size={"xs": 12, "lg": 5},
+                ),
                 container=True,
                 spacing=1,
                 sizing_mode=_WIDE,
@@ -323,8 +329,6 @@ class Page:
 
     def _curve_summary(self) -> str:
         """The curve in a sentence or two, also for who cannot see it."""
-        from html import escape
-
         if self._failed["curve"]:
             return escape(self._failed["curve"])
         if "curve" in self._stale:
@@ -371,8 +375,6 @@ def here() -> Document:
 
 def question_in(address: str, otherwise: Question) -> Question:
     """The question in the query of an address; another one where there is none, or none that is whole."""
-    from urllib.parse import parse_qs
-
     found = parse_qs(address.removeprefix("?")).get(STATE)
     if not found:
         return otherwise

@@ -40,12 +40,14 @@ class Turned:
         self._change = change
         self._middle, self._showing = 1.0, False
         self._tables: Mapping[str, Any] = {}
-        self._which = pmui.Select(label="Turn", options=[], size="small", sizing_mode="stretch_width")
+        self._which = pmui.Select(
+            label="Number under the slider", options=[], size="small", sizing_mode="stretch_width"
+        )
         self._slider = pmui.FloatSlider(label="", start=-1.0, end=1.0, step=1 / POSITIONS, value=0.0, show_value=False)
         self._slider.sizing_mode = "stretch_width"
         self._which.param.watch(self._choose, "value")
         self._slider.param.watch(self._turn, "value")
-        self.view = pmui.Column(self._which, self._slider, sizing_mode="stretch_width")
+        self.view = pmui.Row(self._which, self._slider, sizing_mode="stretch_width")
 
     def show(self, tables: Mapping[str, Any]) -> None:
         """Show the number of a problem."""

@@ -1,4 +1,4 @@
-"""Who imports whom: validation -> analytic, fe_lapjoint -> lapjoint, nothing else; and each folder has a purpose."""
+"""Who imports whom: explore -> validation -> analytic, fe_lapjoint -> lapjoint, nothing else; each folder has a purpose."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ ALLOWED = {
     "analytic": {"analytic", "lapjoint"},
     "fe_lapjoint": {"fe_lapjoint", "lapjoint"},
     "validation": {"validation", "analytic", "fe_lapjoint", "lapjoint"},
+    "explore": {"explore", "validation", "analytic", "fe_lapjoint", "lapjoint"},
 }
 SOLVERS = ("analytic", "fe_lapjoint")
 

@@ -138,7 +138,7 @@ def test_the_layout_names_every_folder_two_levels_deep() -> None:
     table = (DOCS / "layout.md").read_text(encoding="utf-8").split("## Dependencies")[0]
     named = {path.rstrip("/") for path in re.findall(r"`([\w/]+/)`", table)}
     tops = {path.split("/")[0] for path in named}
-    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"} == tops
+    assert {"lapjoint", "analytic", "fe_lapjoint", "validation", "explore", "tests", "benchmarks", "docs"} == tops
     inner = {path for top in tops for path in (root / top).iterdir() if any(path.rglob("*.py"))}
     assert named == tops | {path.relative_to(root).as_posix() for path in inner}
 

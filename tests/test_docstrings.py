@@ -23,7 +23,7 @@ from numpydoc.docscrape import NumpyDocString, Parameter
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "api.md"
-PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation")
+PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation", "explore")
 HELP_TEXTS = ("lapjoint/cli", "validation/command.py")
 SCRIPTS = ("validation/cases", "validation/ledger")
 

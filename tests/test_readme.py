@@ -60,4 +60,4 @@ def test_from_problem_to_impulse_takes_five_lines() -> None:
 
 def test_its_map_names_every_folder_of_the_house() -> None:
     named = set(re.findall(r"`(\w+)/`", README.split("## Folders")[1]))
-    assert named == {"lapjoint", "analytic", "fe_lapjoint", "validation", "tests", "benchmarks", "docs"}
+    assert named == {"lapjoint", "analytic", "fe_lapjoint", "validation", "explore", "tests", "benchmarks", "docs"}

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation")
+PACKAGES = ("lapjoint", "analytic", "fe_lapjoint", "validation", "explore")
 CHEAP = ("textbook", "table4")
 """Cases that march nothing, so that nothing is compiled; the report reads the template, references and faults."""
 VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
