@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from html import escape
+from itertools import accumulate
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -23,13 +24,13 @@ from explore.cycle_pictures import CyclePictures
 from explore.editing import Tables
 from explore.faults import checked
 from explore.form_view import FormView
-from explore.question import Question, opened, read_back, unpacked
+from explore.question import Question, coarse_to_fine, opened, read_back, unpacked
 from explore.slider import Turned
+from explore.starts import starts, tables_of
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError
 from lapjoint.figures.text import frequency_text
-from lapjoint.problem.files import problem_tables, tables_from_toml
-from lapjoint.problem.presets import PRESETS
+from lapjoint.problem.files import tables_from_toml
 from validation.case import CaseResult
 
 STATE = "state"
@@ -72,8 +73,9 @@ class Page:
         self._failed: dict[Part, str] = {"curve": "", "cycle": ""}
         self._stale: set[Part] = set()
         self._numbers: dict[Part, int] = {}
-        self._drawn = 0.0
-        self._waits: set[Part] = set()
+        self._drawn, self._later = 0.0, False
+        self._sizes: list[int] = []
+        """Numbers of points of the curves that follow each other."""
         self._form, self._slider = FormView(self._edit), Turned(self._edit)
         self._curve_picture, self._cycle_pictures = CurvePicture(self._choose), CyclePictures()
         self._make_widgets()
@@ -89,8 +91,7 @@ class Page:
             one.param.watch(self._ranged, "value")
         self._back = pmui.IconButton(icon="undo", label="Undo", description="Undo", on_click=lambda _: self._undone())
         self._again = pmui.IconButton(icon="redo", label="Redo", description="Redo", on_click=lambda _: self._redone())
-        presets = {"...": "", **{f"preset:{name}": name for name in PRESETS}}
-        self._start = pmui.Select(label="Start from", options=presets, value="", **text)
+        self._start = pmui.Select(label="Start from", options={"...": "", **starts()}, value="", **text)
         self._start.param.watch(self._started, "value")
         self._file = pmui.FileInput(label="Open a file", accept=".toml,.json", size="small", variant="outlined")
         self._file.param.watch(self._loaded, "value")
@@ -201,9 +202,9 @@ class Page:
             self._take(replace(self._question, first=values[0], last=values[1]), "range")
 
     def _started(self, event: Any) -> None:
-        """Start from a preset."""
+        """Start from a preset, or a problem of the gallery."""
         if event.new:
-            self._take(opened(problem_tables(PRESETS[event.new]()), self._question.folder), f"preset:{event.new}")
+            self._take(opened(tables_of(event.new), self._question.folder), event.new)
             self._start.value = ""
 
     def _loaded(self, event: Any) -> None:
@@ -274,7 +275,8 @@ class Page:
             return
         if key == self._curve_of:
             return
-        self._curve_of, self._curve, self._waits = key, {}, self._waits | {"curve"}
+        self._curve_of, self._curve = key, {}
+        self._sizes = list(accumulate(map(len, coarse_to_fine(plan.size))))
         self._frequencies, self._stops = plan.grid.axes[0].values, plan.grid.problem.stop_names
         self._numbers["curve"] = computing.ask("curve", self._question)
 
@@ -287,10 +289,12 @@ class Page:
             return
         if isinstance(answer, CurvePart):
             self._curve |= answer.points
-            whole = len(self._curve) in (len(self._frequencies), (len(self._frequencies) + 9) // 10)
-            if not whole and time.monotonic() < self._drawn + PAINT:
-                return
-            self._draw_curve()
+            whole = len(self._curve) in self._sizes
+            if whole or time.monotonic() > self._drawn + PAINT:
+                self._draw_curve()
+            elif not self._later:
+                self._later = True
+                self._document.add_timeout_callback(self._draw_late, round(1000 * PAINT))
             return
         if isinstance(answer, CycleFound):
             self._cycles[answer.solver] = answer.cycle
@@ -326,6 +330,11 @@ class Page:
         self._curve_picture.show(self._frequencies, self._curve, self._stops)
         self._curve_picture.fade("curve" in self._stale)
         self._summary.object = f'<p role="status">{self._curve_summary()}</p>'
+
+    def _draw_late(self) -> None:
+        """Draw the points that came too soon after others."""
+        self._later = False
+        self._draw_curve()
 
     def _curve_summary(self) -> str:
         """The curve in a sentence or two, also for who cannot see it."""
