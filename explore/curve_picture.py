@@ -41,6 +41,10 @@ class CurvePicture:
     def __init__(self, choose: Callable[[int], None]) -> None:
         self._choose = choose
         self._frequencies: tuple[float, ...] = ()
+        """As they are drawn."""
+        self._size = 1.0
+        """Size of the unit of frequencies, rad/s."""
+        self._omega: float | None = None
         self._lines = ColumnDataSource({"xs": [], "ys": [], "colour": [], "dash": [], "stop": []})
         self._marks = ColumnDataSource({key: [] for key in ("x", "y", "stop", "what", "at", "colour", "size")})
         self._doubts = ColumnDataSource({key: [] for key in ("x", "y", "stop", "what", "at")})
@@ -76,9 +80,9 @@ class CurvePicture:
 
     def show(self, frequencies: Sequence[float], points: Mapping[int, Point], stops: Sequence[str]) -> None:
         """Draw the points that are known, by the numbers of their frequencies, rad/s."""
-        self._frequencies = tuple(frequencies)
+        self._frequencies = tuple(value / self._size for value in frequencies)
         known = sorted(points)
-        omega = np.array([frequencies[i] for i in known])
+        places = np.array([self._frequencies[i] for i in known])
         impulses = np.array([points[i].impulses or (math.nan,) * len(stops) for i in known]).reshape(
             len(known), len(stops)
         )
@@ -86,7 +90,7 @@ class CurvePicture:
         breaks = np.flatnonzero(np.diff(kinds) != 0) + 1
         colours = [COLOURS[k % (len(COLOURS) - 1)] for k in range(len(stops))]
         ys = [np.insert(impulses[:, k], breaks, np.nan) for k in range(len(stops))]
-        xs = np.insert(omega, breaks, omega[breaks] if breaks.size else 0.0)
+        xs = np.insert(places, breaks, places[breaks] if breaks.size else 0.0)
         dashes = [DASHES[k % len(DASHES)] for k in range(len(stops))]
         self._lines.data = {
             "xs": [xs] * len(stops),
@@ -96,12 +100,12 @@ class CurvePicture:
             "stop": list(stops),
         }
         sure = np.array([points[i].outcome in CERTAIN for i in known], dtype=bool)
-        at, what = [frequency_text(value) for value in omega], [said(points[i]) for i in known]
-        self._marks.data = self._rows(omega, impulses, stops, at, what, sure) | {
+        at, what = [frequency_text(frequencies[i]) for i in known], [said(points[i]) for i in known]
+        self._marks.data = self._rows(places, impulses, stops, at, what, sure) | {
             "colour": [colour for colour in colours for _ in range(int(sure.sum()))],
             "size": [2.0 if len(known) > len(self._frequencies) / 2 else 4.0] * (len(stops) * int(sure.sum())),
         }
-        self._doubts.data = self._rows(omega, np.nan_to_num(impulses), stops, at, what, ~sure)
+        self._doubts.data = self._rows(places, np.nan_to_num(impulses), stops, at, what, ~sure)
         self._name(stops)
         if self._frequencies:
             fit(self.figure.x_range, self._frequencies)
@@ -109,12 +113,12 @@ class CurvePicture:
 
     @staticmethod
     def _rows(
-        omega: Any, impulses: Any, stops: Sequence[str], at: Sequence[str], what: Sequence[str], which: Any
+        places: Any, impulses: Any, stops: Sequence[str], at: Sequence[str], what: Sequence[str], which: Any
     ) -> dict[str, Any]:
         """The columns of the points of all stops that `which` chooses."""
         chosen = [i for i in range(len(at)) if which[i]]
         return {
-            "x": np.tile(omega[chosen], len(stops)),
+            "x": np.tile(places[chosen], len(stops)),
             "y": impulses[chosen].T.ravel(),
             "stop": [stop for stop in stops for _ in chosen],
             "at": [at[i] for _ in stops for i in chosen],
@@ -134,7 +138,14 @@ class CurvePicture:
 
     def choose(self, omega: float | None) -> None:
         """Mark the frequency of the cycle, rad/s."""
-        self._here.update(location=omega or 0.0, visible=omega is not None)
+        self._omega = omega
+        self._here.update(location=(omega or 0.0) / self._size, visible=omega is not None)
+
+    def in_unit(self, name: str, size: float) -> None:
+        """Draw frequencies in a unit from now on, whose size in rad/s is given."""
+        self._size = size
+        self.figure.xaxis.axis_label = f"excitation frequency [{name}]"
+        self.choose(self._omega)
 
     def fade(self, stale: bool) -> None:
         """Draw the curve pale, because it is not that of the problem in the form; or as usual."""

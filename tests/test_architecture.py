@@ -1,4 +1,4 @@
-"""Who imports whom: explore -> validation -> analytic, fe_lapjoint -> lapjoint, nothing else; each folder has a purpose."""
+"""Who imports whom: explore -> validation -> analytic, fe_lapjoint -> lapjoint; and each folder has a purpose."""
 
 from __future__ import annotations
 
