@@ -14,7 +14,7 @@ from lapjoint.machine.one_thread import each_in_one_thread
 from lapjoint.machine.processes import end_with_parent
 from lapjoint.solver import Progress
 
-_BEHIND = 5
+_BEHIND = 15
 """By how much the cycle gives way to the curve, as ``nice`` counts: the curve is looked at first."""
 
 
