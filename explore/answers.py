@@ -97,4 +97,43 @@ class Failed:
     message: str
 
 
+@dataclass(frozen=True)
+class Handle:
+    """A number of a problem that the sketch of the joint shows, and by which it can be changed there.
+
+    Pairs are those of the wide and the narrow picture, whose units are those of its ``viewBox``.
+    """
+
+    path: str
+    """The field, as ``--set`` takes it, with numbers for names: ``stops.0.x``."""
+    label: str
+    """What it is, with its unit: ``P2, gap in m``."""
+    value: float
+    """The value, m; of a place on one of several beams its position there."""
+    beam: str
+    """What a place on one of several beams begins with, as ``upper:``; else empty."""
+    least: float
+    """Smallest value to which it can be moved, m."""
+    most: float
+    """Largest value to which it can be moved, m."""
+    step: float
+    """Step of a position, m, and of a gap that is not above 0."""
+    is_gap: bool
+    """Whether it moves across the beam, and by factors: the sketch shows no gap to scale."""
+    centres: tuple[tuple[float, float], tuple[float, float]]
+    """Where it is in both pictures, from the left and from the top."""
+    reach: tuple[float, float]
+    """What a unit of the picture is: of a position to the right, m; of a gap downwards, in gaps as they are drawn."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """The sketch of a joint."""
+
+    svg: tuple[str, str]
+    """The wide and the narrow picture, as SVG whose ink is that of the page."""
+    handles: tuple[Handle, ...]
+    """What can be moved in it."""
+
+
 Answer = CurvePart | CycleFound | Compared | Failed

@@ -27,7 +27,9 @@ _HALF = 0.13  # half the beam's depth, of a stepped beam where its bending stiff
 _THINNEST = 0.3  # least depth of a piece of a stepped beam, as a fraction of the largest
 _MASS = 0.3  # half the side of a mass
 _ALONG = 0.55  # height of the arrows of a uniform load above the beam
-_GAP, _SPRING = 0.42, 0.9  # from the beam to a stop, and the length of a spring
+GAP = 0.42
+"""Height of an open gap, units of the sketch."""
+_SPRING = 0.9  # length of a spring
 _HEAD = 0.25  # from a beam to the head of a stop that holds two beams together
 _BEYOND = 1.8  # height of names beyond the ground of their stops
 _BELOW = -2.45  # height of the line of positions
@@ -36,6 +38,8 @@ _NEAR = 0.5  # distance below which two symbols would overlap
 _RIGHT = 1.75  # room on the right of the beam
 _INCHES = 0.42  # of the page for a unit of height that several beams need
 _LINE = 0.26  # height of a line of text, in units of the sketch at the usual size
+_WALL, _PIN, _COIL = 0.75, 0.55, 0.45  # from a beam to the end of a wall, to the ground of a pin, and to a coil
+_ASIDE = 0.42  # from a support on springs to its springs where a stop is below
 _APART = 1.9  # height between two beams that lie above each other
 _PAD = 0.042  # inches that matplotlib leaves on each side of the axes
 _AIR = 0.05  # inches between two texts on a line, at least
@@ -98,8 +102,8 @@ class _Page:
 
 
 @dataclass(frozen=True)
-class _Plan:
-    """Where positions on the line of beams lie on the page."""
+class Plan:
+    """Where positions on the line of beams, and what stands there, lie on the page, in the coordinates of its axes."""
 
     problem: Problem
 
@@ -144,6 +148,28 @@ class _Plan:
         near = (abs(stop.x - x) * self.scale < _NEAR for stop in self.problem.structure.stops if stop.sign < 0)
         return any(near)
 
+    def stop_at(self, stop: PlacedStop) -> tuple[float, float, float]:
+        """Horizontal coordinate of a stop on the page, and heights of its face and of the other end of its spring."""
+        x, y, up, other = self.x(stop.met), self.y(stop.met), float(stop.sign), self.y(stop.x)
+        if stop.side == "between":
+            x = (self.x(stop.x) + x) / 2
+            if other < y:  # closes where the beams come apart: its head is beyond the upper beam
+                return x, y + _HALF + _HEAD, other + _HALF
+        surface = _half_depth(self.problem, float(self.problem.line.EI_at(np.array([stop.met]))[0]))
+        opened = GAP if stop.gap > 0 else 0.0
+        far = other - _HALF if stop.side == "between" else y + up * (surface + opened + _SPRING)
+        return x, y + up * (surface + opened), far
+
+    def support_at(self, support: Support) -> tuple[float, float]:
+        """Where the ground of a support is on the page; of one that resists turning alone, where its coil is."""
+        x, y, below = self.x(support.x), self.y(support.x), self.below(support.x)
+        if math.isinf(support.translational):
+            reach = _WALL if math.isinf(support.torsional) else _PIN
+            return x, y + (reach if below else -reach)
+        if support.translational:
+            return x - (_ASIDE if below else 0.0), y - _HALF - _SPRING
+        return x, y + _COIL
+
 
 @style()
 def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAGE_WIDTH) -> Axes:
@@ -165,7 +191,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAG
     matplotlib.axes.Axes
         The axes drawn on, without scales.
     """
-    plan = _Plan(problem)
+    plan = Plan(problem)
     top = max(plan.heights)
     axes = new_axes(width, HEIGHT + top * _INCHES) if axes is None else axes
     axes.set_axis_off()
@@ -174,8 +200,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAG
     page = _Page(axes, (_LEFT + _WIDE + _RIGHT) / (figure_of(axes).get_size_inches()[0] - 2 * _PAD))
     _draw_beams(page, plan)
     for support in problem.structure.supports:
-        aside = -0.42 if plan.below(support.x) else 0.0
-        _draw_support(page, support, plan.x(support.x), plan.y(support.x), aside)
+        _draw_support(page, plan, support)
     for stop in problem.structure.stops:
         _draw_stop(page, plan, stop)
     for link in problem.structure.links:
@@ -194,7 +219,7 @@ def plot_joint(problem: Problem, axes: Axes | None = None, *, width: float = PAG
     return axes
 
 
-def _draw_beams(page: _Page, plan: _Plan) -> None:
+def _draw_beams(page: _Page, plan: Plan) -> None:
     """The beams, piece by piece."""
     for piece in plan.problem.line.pieces:
         half, y = _half_depth(plan.problem, piece.EI), plan.y(piece.start)
@@ -203,7 +228,7 @@ def _draw_beams(page: _Page, plan: _Plan) -> None:
         page.take(ends[0], ends[1], y - _HALF, y + _HALF)
 
 
-def _name_beams(page: _Page, plan: _Plan) -> None:
+def _name_beams(page: _Page, plan: Plan) -> None:
     """Names of several beams, above their middles or wherever there is room."""
     line = plan.problem.line
     for name, start, end, y in zip(line.names, line.starts, line.ends, plan.heights, strict=True):
@@ -226,25 +251,28 @@ def _draw_mass(page: _Page, x: float, y: float) -> None:
     page.take(x - _MASS, x + _MASS, y - _MASS, y + _MASS)
 
 
-def _draw_support(page: _Page, support: Support, x: float, y: float, aside: float) -> None:
-    """Draw a wall, a pin, or springs; springs are moved by `aside`, so that they do not overlap a stop."""
+def _draw_support(page: _Page, plan: Plan, support: Support) -> None:
+    """Draw a wall, a pin, or springs."""
+    x, y = plan.x(support.x), plan.y(support.x)
+    at, ground = plan.support_at(support)
     if math.isinf(support.translational) and math.isinf(support.torsional):
         outside = -1.0 if x <= _WIDE / 2 else 1.0
-        page.line([x, x], [y - 0.75, y + 0.75], _INK, 1.2)
-        for at in np.linspace(y - 0.75, y + 0.6, 8):
-            page.line([x, x + outside * 0.16], [float(at) + 0.08, float(at)], _INK, 0.5)
-        page.take(x, x + outside * 0.16, y - 0.75, y + 0.75)
+        page.line([x, x], [y - _WALL, y + _WALL], _INK, 1.2)
+        for height in np.linspace(y - _WALL, y + 0.6, 8):
+            page.line([x, x + outside * 0.16], [float(height) + 0.08, float(height)], _INK, 0.5)
+        page.take(x, x + outside * 0.16, y - _WALL, y + _WALL)
         return
     if math.isinf(support.translational):
-        up = 1.0 if aside else -1.0  # from above where a stop is below
-        foot = [y + up * _HALF, y + up * 0.55, y + up * 0.55]
-        page.axes.fill([x, x - 0.2, x + 0.2], foot, facecolor="white", edgecolor=_INK, linewidth=0.9)
-        page.ground(x, y + up * 0.55, up)
+        up = math.copysign(1.0, ground - y)  # from above where a stop is below
+        page.axes.fill(
+            [x, x - 0.2, x + 0.2], [y + up * _HALF, ground, ground], facecolor="white", edgecolor=_INK, linewidth=0.9
+        )
+        page.ground(x, ground, up)
     elif support.translational:
-        page.spring(x + aside, y - _HALF, y - _HALF - _SPRING, _INK)
-        page.ground(x + aside, y - _HALF - _SPRING, -1.0)
+        page.spring(at, y - _HALF, ground, _INK)
+        page.ground(at, ground, -1.0)
     if support.torsional:
-        _draw_coil(page, x, y + 0.45)
+        _draw_coil(page, x, y + _COIL)
 
 
 def _draw_coil(page: _Page, x: float, y: float) -> None:
@@ -255,7 +283,7 @@ def _draw_coil(page: _Page, x: float, y: float) -> None:
     page.take(x - 0.32, x + 0.32, y - 0.32, y + 0.32)
 
 
-def _draw_link(page: _Page, plan: _Plan, link: PlacedLink) -> None:
+def _draw_link(page: _Page, plan: Plan, link: PlacedLink) -> None:
     """Springs between two beams, or a bar where they are infinite, and a damper beside them; a coil resists turning."""
     (x0, y0), (x1, y1) = ((plan.x(at), plan.y(at)) for at in (link.first, link.second))
     if math.isinf(link.translational) or y0 == y1:
@@ -283,28 +311,21 @@ def _draw_damper(page: _Page, x: float, low: float, high: float) -> None:
     page.take(x - 0.12, x + 0.12, low, high)
 
 
-def _draw_stop(page: _Page, plan: _Plan, stop: PlacedStop) -> None:
+def _draw_stop(page: _Page, plan: Plan, stop: PlacedStop) -> None:
     """A plate behind its gap from the surface of the beam, a spring, and the ground, or the other beam."""
-    problem, up = plan.problem, float(stop.sign)
-    seen, opened = stop.reading[0][0], _GAP if stop.gap > 0 else 0.0
-    surface = _half_depth(problem, float(problem.line.EI_at(np.array([seen]))[0]))
-    x, y = plan.x(seen), plan.y(seen)
-    if stop.side == "between":
-        x, far = (plan.x(stop.x) + x) / 2, plan.y(stop.x) - _HALF
-        if plan.y(stop.x) < y:  # closes where the beams come apart: its head is beyond the upper beam
-            page.spring(x, plan.y(stop.x) + _HALF, y - _HALF, _STOP)
-            page.line([x, x], [y - _HALF, y + _HALF + _HEAD], _STOP, 0.9)
-            page.line([x - 0.16, x + 0.16], [y + _HALF + _HEAD] * 2, _STOP, 1.8)
-            return
+    x, face, far = plan.stop_at(stop)
+    if stop.side == "between" and plan.y(stop.x) < plan.y(stop.met):
+        surface = plan.y(stop.met) - _HALF
+        page.spring(x, far, surface, _STOP)
+        page.line([x, x], [surface, face], _STOP, 0.9)
     else:
-        far = y + up * (surface + opened + _SPRING)
-        page.ground(x, far, up)
-    face = y + up * (surface + opened)
+        page.spring(x, face, far, _STOP)
+    if stop.side != "between":
+        page.ground(x, far, float(stop.sign))
     page.line([x - 0.16, x + 0.16], [face, face], _STOP, 1.8)
-    page.spring(x, face, far, _STOP)
 
 
-def _name_stops(page: _Page, plan: _Plan) -> None:
+def _name_stops(page: _Page, plan: Plan) -> None:
     """Write names and numbers beside the stops, or names alone where there is no room for numbers, beside the stops or
     beyond their ground; and the number of stops."""
     problem = plan.problem
@@ -331,7 +352,7 @@ def _name_stops(page: _Page, plan: _Plan) -> None:
         page.say(_WIDE, 2.15 + max(plan.heights), f"{len(problem.stops)} stops", _STOP, "right")
 
 
-def _name_masses(page: _Page, plan: _Plan) -> None:
+def _name_masses(page: _Page, plan: Plan) -> None:
     """Names, masses and rotary inertias above or below the masses, or names and masses beside them, where there is
     room."""
     for mass in plan.problem.structure.masses:
@@ -354,7 +375,7 @@ def _name_masses(page: _Page, plan: _Plan) -> None:
         )
 
 
-def _say_supports(page: _Page, plan: _Plan) -> None:
+def _say_supports(page: _Page, plan: Plan) -> None:
     """Write stiffnesses beside the supports."""
     for support in plan.problem.structure.supports:
         x, y = plan.x(support.x), plan.y(support.x)
@@ -365,7 +386,7 @@ def _say_supports(page: _Page, plan: _Plan) -> None:
             page.say(x + 0.4, y + 0.5, _number("kt", support.torsional, "N m/rad"))
 
 
-def _say_links(page: _Page, plan: _Plan) -> None:
+def _say_links(page: _Page, plan: Plan) -> None:
     """Write dampings beside the links."""
     for link in plan.problem.structure.links:
         numbers = [_number("c", link.damping, "N s/m")] if link.damping else []
@@ -376,7 +397,7 @@ def _say_links(page: _Page, plan: _Plan) -> None:
             _ = page.say(x - 0.5, y, text, align="right") or page.say(x + 0.8, y, text)
 
 
-def _draw_drive(page: _Page, plan: _Plan) -> None:
+def _draw_drive(page: _Page, plan: Plan) -> None:
     """Draw the motion of the base on the left, and the loads as arrows."""
     problem = plan.problem
     if problem.base_motion is not None:
@@ -389,14 +410,14 @@ def _draw_drive(page: _Page, plan: _Plan) -> None:
         page.arrow(plan.x(place), plan.y(place) + head, plan.y(place) + tail, "->")
 
 
-def _ends_of(load: PointLoad, plan: _Plan) -> tuple[float, float]:
+def _ends_of(load: PointLoad, plan: Plan) -> tuple[float, float]:
     """Heights of head and tail of the arrow of a load above the beam."""
     if isinstance(load, StepLoad) and load.force < 0:
         return _HALF, 1.5
     return (1.5, _HALF) if plan.below(plan.problem.line.at(load.x)) else (-_HALF, -1.5)
 
 
-def _say_loads(page: _Page, plan: _Plan) -> None:
+def _say_loads(page: _Page, plan: Plan) -> None:
     """Write what each load is beside its arrow, or beyond the arrow."""
     for load in plan.problem.point_loads:
         place = plan.problem.line.at(load.x)
@@ -415,7 +436,7 @@ def _said_of_load(load: PointLoad) -> tuple[str, ...]:
     return f"{load.kind} force", load.kind
 
 
-def _draw_static_loads(page: _Page, plan: _Plan) -> None:
+def _draw_static_loads(page: _Page, plan: Plan) -> None:
     """Gravity as an arrow at the right, and uniform loads as rows of arrows."""
     problem = plan.problem
     if problem.gravity is not None and problem.gravity.acceleration:
@@ -446,7 +467,7 @@ def _said_of_base(problem: Problem) -> str:
     return f"base: {base.kind}"
 
 
-def _draw_positions(page: _Page, plan: _Plan) -> None:
+def _draw_positions(page: _Page, plan: Plan) -> None:
     """Draw a line with a tick and a number at every position."""
     structure, (left, right) = plan.problem.structure, plan.ends
     at = [*structure.line.edges, *(piece.end for piece in structure.line.pieces)]
