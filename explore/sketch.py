@@ -47,4 +47,5 @@ class Sketch(JSComponent):
         move = path, f'"{handle.beam}{within}"' if handle.beam else within, bool(done)
         if move == self.moved:
             self.param.trigger("moved")
-        self.moved = move
+        else:
+            self.moved = move
