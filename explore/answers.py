@@ -136,4 +136,4 @@ class Drawn:
     """What can be moved in it."""
 
 
-Answer = CurvePart | CycleFound | Compared | Failed
+Answer = CurvePart | Drawn | CycleFound | Compared | Failed

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 from explore import results
-from explore.answers import Answer, Compared, Cycle, CycleFound, Failed
+from explore.answers import Answer, Compared, Cycle, CycleFound, Drawn, Failed
 from explore.computing import Computing
 from explore.cycle_pictures import CyclePictures, as_csv
+from explore.film import Film, scene_of
 from explore.question import Question
+from explore.sketch import Sketch
 from lapjoint.figures.text import frequency_text
 from lapjoint.problem import Problem
 from validation.case import CaseResult
@@ -20,9 +23,17 @@ _WIDE = "stretch_width"
 
 
 class CycleView:
-    """The cycle by both solvers; that of the question before stays until the first solver has answered."""
+    """The cycle by both solvers; that of the question before stays until the first solver has answered.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    move : callable
+        Called with the path of a number that was dragged in the sketch, and its value as text.
+    """
+
+    def __init__(self, move: Callable[[str, str], None]) -> None:
+        self.sketch, self._film = Sketch(sizing_mode=_WIDE), Film(sizing_mode=_WIDE)
+        self.sketch.param.watch(lambda event: move(*event.new[:2]), "moved", onlychanged=False)
         self._number = 0
         self._problem: Problem | None = None
         self._cycles: dict[str, Cycle] = {}
@@ -44,7 +55,8 @@ class CycleView:
             spacing=1,
             sizing_mode=_WIDE,
         )
-        self.view = pmui.Column(self._headline, self._verdict, pictures, self._tables, sizing_mode=_WIDE)
+        self._film.param.watch(lambda event: self._pictures.mark(event.new), "time")
+        self.view = pmui.Column(self._headline, self._verdict, self._film, pictures, self._tables, sizing_mode=_WIDE)
 
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
         """Ask for the cycle of a question, whose problem is valid."""
@@ -58,9 +70,14 @@ class CycleView:
         """Take an answer, if it is one to the question that was asked last."""
         if number != self._number or self._problem is None:
             return
+        if isinstance(answer, Drawn):
+            self.sketch.drawn = answer
+            return
         if isinstance(answer, Failed):
             self._failed = answer.message
         elif isinstance(answer, CycleFound):
+            if not self._cycles:
+                self._film.scene = scene_of(self._problem, answer.cycle)
             self._cycles[answer.solver] = answer.cycle
         elif isinstance(answer, Compared):
             self._compared = answer.result

@@ -18,7 +18,7 @@ from explore.answers import Answer, Part
 from explore.computing import Computing
 from explore.curve_view import CurveView
 from explore.cycle_view import CycleView
-from explore.editing import Tables
+from explore.editing import Tables, typed
 from explore.faults import checked
 from explore.form_view import FormView
 from explore.question import Question, opened, read_back, unpacked
@@ -58,7 +58,7 @@ class Page:
         """The path that was changed last, and when, s of the monotonic clock."""
         self._form, self._slider = FormView(self._edit), Turned(self._edit)
         self._curve = CurveView(self._choose, self._range, self._document.add_timeout_callback)
-        self._cycle = CycleView()
+        self._cycle = CycleView(self._moved)
         self._make_widgets()
         self._show_question()
 
@@ -82,6 +82,7 @@ class Page:
             pmui.FlexBox(self._back, self._again, save, state),
             pmui.Row(self._start, self._file, sizing_mode=_WIDE),
             self._messages,
+            self._cycle.sketch,
             self._form.view,
             sizing_mode=_WIDE,
         )
@@ -126,6 +127,10 @@ class Page:
     def _edit(self, edit: Callable[[Mapping[str, Any]], Tables], path: str) -> None:
         """Change the problem."""
         self._take(self._question.with_tables(edit(self._question.tables)), path)
+
+    def _moved(self, path: str, value: str) -> None:
+        """Take a number that was dragged in the sketch."""
+        self._edit(partial(typed, path=path, text=value), path)
 
     def _choose(self, omega: float) -> None:
         """Choose a frequency of the curve for the cycle, rad/s."""
