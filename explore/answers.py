@@ -136,4 +136,12 @@ class Drawn:
     """What can be moved in it."""
 
 
-Answer = CurvePart | Drawn | CycleFound | Compared | Failed
+@dataclass(frozen=True)
+class Natural:
+    """The lowest natural frequencies while all stops are open."""
+
+    angular_frequencies: FloatArray
+    """rad/s, ascending, ``(n,)``."""
+
+
+Answer = CurvePart | Drawn | Natural | CycleFound | Compared | Failed

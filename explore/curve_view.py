@@ -25,6 +25,8 @@ PAINT = 0.08
 """Least time between two drawings of a curve that grows, s: a browser draws it in about half of that."""
 WAIT = 0.5
 """Time for which the curve before stays, pale, while the first of a new one is not whole, s."""
+PATIENCE = 3
+"""Time without any point after which the page says why, s."""
 _WIDE = "stretch_width"
 
 
@@ -78,9 +80,9 @@ class CurveView:
             plan = question.plan()
             key = plan.grid.problem_at(0), plan.grid.axes
         except InputError as error:
-            self._failed, self._key = str(error), None
+            self._failed, self._key, self._points, self._frequencies, self._stops = str(error), None, {}, (), ()
             self._number = computing.ask("curve", None)
-            self._tell()
+            self._draw()
             return
         if key == self._key:
             return
@@ -90,6 +92,7 @@ class CurveView:
         self._asked = time.monotonic()
         self._picture.fade(True)
         self._number = computing.ask("curve", question)
+        self._later(self._comfort, 1000 * PATIENCE)
 
     def take(self, number: int, answer: Answer) -> None:
         """Take an answer, if it is one to the question that was asked last."""
@@ -115,6 +118,14 @@ class CurveView:
     def csv(self) -> str:
         """The curve as a table with commas."""
         return as_csv(self._frequencies, self._points, self._stops)
+
+    def _comfort(self) -> None:
+        """Say what takes so long."""
+        if not self._points and not self._failed:
+            self._summary.object = (
+                '<p role="status">Computing. The first start after an installation compiles the solvers, which takes '
+                "up to a minute.</p>"
+            )
 
     def _draw_soon(self) -> None:
         """Draw the curve when a curve is whole, and else now and then."""
@@ -145,10 +156,10 @@ class CurveView:
 
     def _sentence(self) -> str:
         """The curve in a sentence or two, also for who cannot see it."""
-        if self._failed:
-            return escape(self._failed)
         if self._stale:
             return "The problem is not valid; this is the curve of the last one that was."
+        if self._failed:
+            return f"There is no curve. {escape(self._failed)}"
         known, size = len(self._points), len(self._frequencies)
         doubts = sum(point.outcome not in CERTAIN for point in self._points.values())
         peaks = [

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from explore.answers import Bar, Compared, Cycle, CycleFound, Drawn
+from explore.answers import Bar, Compared, Cycle, CycleFound, Drawn, Natural
 from explore.drawing import drawn
 from explore.question import Question
 from lapjoint.answers.steady_state import SteadyState
@@ -26,13 +26,14 @@ LONGEST = 16
 """Most excitation periods of a motion that are shown."""
 
 
-def cycle_answers(question: Question, look: Progress) -> Iterator[Drawn | CycleFound | Compared]:
-    """The sketch of the problem, the cycle by each solver, and then their comparison.
+def cycle_answers(question: Question, look: Progress) -> Iterator[Drawn | Natural | CycleFound | Compared]:
+    """The sketch of the problem, its natural frequencies, the cycle by each solver, and then their comparison.
 
     `look` is called now and then, and may end the work by an exception.
     """
     problem, found = question.made(), []
     yield drawn(problem)
+    yield Natural(make_solver("analytic").modes(problem).angular_frequencies)
     for name, options in SOLVERS.items():
         found.append(make_solver(name, **options).steady_state(problem, progress=look))
         yield CycleFound(name, cycle_of(found[-1], name))

@@ -9,7 +9,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from explore import results
-from explore.answers import Answer, Compared, Cycle, CycleFound, Drawn, Failed
+from explore.answers import Answer, Compared, Cycle, CycleFound, Drawn, Failed, Natural
 from explore.computing import Computing
 from explore.cycle_pictures import CyclePictures, as_csv
 from explore.film import Film, scene_of
@@ -34,7 +34,8 @@ class CycleView:
     def __init__(self, move: Callable[[str, str], None]) -> None:
         self.sketch, self._film = Sketch(sizing_mode=_WIDE), Film(sizing_mode=_WIDE)
         self.sketch.param.watch(lambda event: move(*event.new[:2]), "moved", onlychanged=False)
-        self._number = 0
+        self.natural = pn.pane.HTML("", sizing_mode=_WIDE, stylesheets=[results.STYLE])
+        self._number, self._stale = 0, False
         self._problem: Problem | None = None
         self._cycles: dict[str, Cycle] = {}
         self._compared: CaseResult | None = None
@@ -61,6 +62,7 @@ class CycleView:
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
         """Ask for the cycle of a question, whose problem is valid."""
         self._problem, self._cycles, self._compared, self._failed = problem, {}, None, ""
+        self._stale = False
         omega = problem.excitation_frequency
         self._headline.object = "Cycle" if omega is None else f"Cycle at {frequency_text(omega)}"
         self._number = computing.ask("cycle", question)
@@ -72,6 +74,9 @@ class CycleView:
             return
         if isinstance(answer, Drawn):
             self.sketch.drawn = answer
+            return
+        if isinstance(answer, Natural):
+            self.natural.object = results.natural_line(answer)
             return
         if isinstance(answer, Failed):
             self._failed = answer.message
@@ -86,6 +91,11 @@ class CycleView:
         self._tables.object = results.tables(self._compared, self._cycles)
         self._tell()
 
+    def outdate(self) -> None:
+        """Say that the cycle is not that of the problem in the form, which is not valid."""
+        self._stale = True
+        self._tell()
+
     def csv(self) -> str:
         """The time histories as a table with commas."""
         return as_csv(self._cycles)
@@ -93,4 +103,6 @@ class CycleView:
     def _tell(self) -> None:
         outcome = next((f"<p>{cycle.outcome}</p>" for cycle in self._cycles.values()), "")
         line = results.verdict_line(self._compared, self._cycles, self._failed)
+        if self._stale:
+            line = results.STALE
         self._verdict.object = f'<div role="status">{line}</div>{outcome}'

@@ -202,7 +202,7 @@ def _field(part: Schema, value: Any, path: str, label: str, required: bool) -> F
 
 
 def _hint(part: Schema) -> str:
-    return " ".join(str(part.get("description", "")).split())
+    return " ".join(str(part.get("description", "")).replace("``", "").split())
 
 
 def text_of(value: Any, kind: Kind = "value") -> str:

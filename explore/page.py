@@ -20,8 +20,8 @@ from explore.curve_view import CurveView
 from explore.cycle_view import CycleView
 from explore.editing import Tables, typed
 from explore.faults import checked
-from explore.form_view import FormView
-from explore.question import Question, opened, read_back, unpacked
+from explore.form_view import FormView, message_pane, show_messages
+from explore.question import Question, opened, read_back, unpacked, with_range
 from explore.slider import Turned
 from explore.starts import starts, tables_of
 from lapjoint.errors import InputError
@@ -64,7 +64,7 @@ class Page:
 
     def _make_widgets(self) -> None:
         text = {"size": "small", "sizing_mode": _WIDE}
-        self._messages = pmui.Alert("", severity="error", visible=False, sizing_mode=_WIDE)
+        self._messages = message_pane()
         self._back = pmui.IconButton(icon="undo", label="Undo", description="Undo", on_click=lambda _: self._undone())
         self._again = pmui.IconButton(icon="redo", label="Redo", description="Redo", on_click=lambda _: self._redone())
         self._start = pmui.Select(label="Start from", options={"...": "", **starts()}, value="", **text)
@@ -83,6 +83,7 @@ class Page:
             pmui.Row(self._start, self._file, sizing_mode=_WIDE),
             self._messages,
             self._cycle.sketch,
+            self._cycle.natural,
             self._form.view,
             sizing_mode=_WIDE,
         )
@@ -122,7 +123,7 @@ class Page:
 
     def refuse(self, message: str) -> None:
         """Say why the page has no answers."""
-        self._messages.param.update(object=message, visible=True, severity="error")
+        show_messages(self._messages, message.split("\n"), True)
 
     def _edit(self, edit: Callable[[Mapping[str, Any]], Tables], path: str) -> None:
         """Change the problem."""
@@ -187,7 +188,8 @@ class Page:
 
     def _turn_to(self, question: Question) -> None:
         """Ask another question, and then show it."""
-        self._question, self._checked = question, checked(question)
+        self._checked = checked(question)
+        self._question = with_range(question, self._checked.problem)
         self._ask()
         self._show_question()
 
@@ -197,6 +199,7 @@ class Page:
             return
         if problem is None:
             self._curve.outdate()
+            self._cycle.outdate()
             return
         self._curve.ask(self._question, computing)
         self._cycle.ask(self._question, problem, computing)
@@ -213,9 +216,7 @@ class Page:
         tables = question.tables
         self._form.show(tables, found.faults, found.hints)
         self._slider.show(tables)
-        general = "\n".join(self._form.general)
-        severity = "error" if found.faults else "warning"
-        self._messages.param.update(object=general, visible=bool(general), severity=severity)
+        show_messages(self._messages, self._form.general, bool(found.faults))
         self._back.disabled, self._again.disabled = not self._undo, not self._redo
         self._commands.value = "\n".join(question.commands(FILE))
         location = pn.state.location

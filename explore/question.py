@@ -92,10 +92,20 @@ class Question:
 
 
 def opened(tables: Mapping[str, Any], folder: str = ".") -> Question:
-    """The first question about a problem: the curve covers `RANGE` of its frequency."""
-    question = Question(tomli_w.dumps(tables), 1.0, 10.0, folder)
-    omega = question.made().excitation_frequency
-    return question if omega is None else replace(question, first=RANGE[0] * omega, last=RANGE[1] * omega)
+    """The first question about a problem, which need not be valid: the curve covers `RANGE` of its frequency."""
+    question = Question(tomli_w.dumps(tables), 0.0, 0.0, folder)
+    try:
+        return with_range(question, question.made())
+    except InputError:
+        return question
+
+
+def with_range(question: Question, problem: Problem | None) -> Question:
+    """A question with a range of frequencies, as soon as its problem is valid and has a frequency."""
+    omega = None if problem is None else problem.excitation_frequency
+    if question.last or omega is None:
+        return question
+    return replace(question, first=RANGE[0] * omega, last=RANGE[1] * omega)
 
 
 def coarse_to_fine(size: int) -> list[list[int]]:

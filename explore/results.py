@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from html import escape
 
-from explore.answers import Cycle
+from explore.answers import Cycle, Natural
+from lapjoint.figures.text import hertz
 from validation.case import CaseResult, Table
 from validation.verdict import Verdict
 
@@ -22,11 +23,19 @@ th, td { border-bottom: 1px solid var(--line) }
 .disagree { border-color: #d55e00 }
 .wait { border-color: gray; font-weight: 400 }
 """
+NATURAL = 3
+"""Number of natural frequencies that are shown: those that most joints are shaken near."""
 _SAID = {
     Verdict.AGREE: "The solvers agree",
     Verdict.EXPLAINED: "The solvers differ, and the reason is known",
     Verdict.DISAGREE: "The solvers disagree",
 }
+
+
+def natural_line(natural: Natural) -> str:
+    """Natural frequencies as a line of HTML."""
+    numbers = ", ".join(f"{omega:.4g} rad/s ({hertz(omega)} Hz)" for omega in natural.angular_frequencies[:NATURAL])
+    return f"<p>Natural frequencies with all stops open: {numbers}</p>"
 
 
 def verdict_line(result: CaseResult | None, cycles: Mapping[str, Cycle], failed: str) -> str:
@@ -41,16 +50,19 @@ def verdict_line(result: CaseResult | None, cycles: Mapping[str, Cycle], failed:
     return _line(result.verdict.value, f"{_SAID[result.verdict]}: {numbers}.")
 
 
+def _line(kind: str, text: str) -> str:
+    return f'<p class="verdict {kind}">{escape(text)}</p>'
+
+
+STALE = _line("wait", "The problem is not valid; this is the cycle of the last one that was.")
+
+
 def tables(result: CaseResult | None, cycles: Mapping[str, Cycle]) -> str:
     """All tables as HTML: of both solvers side by side, or of the one that is done."""
     if result is not None:
         notes = "".join(f"<p>{escape(note)}</p>" for note in result.notes)
         return notes + "".join(map(_table, (*result.answer, *result.certificate)))
     return "".join(_table(table) for cycle in cycles.values() for table in cycle.tables)
-
-
-def _line(kind: str, text: str) -> str:
-    return f'<p class="verdict {kind}">{escape(text)}</p>'
 
 
 def _table(table: Table) -> str:

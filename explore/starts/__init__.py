@@ -20,7 +20,7 @@ GALLERY = {
 
 def starts() -> dict[str, str]:
     """The names of all starts, by what a page says of them."""
-    presets = {f"preset:{name}": f"preset:{name}" for name in PRESETS}
+    presets = {f"preset: {preset().title}": f"preset:{name}" for name, preset in PRESETS.items()}
     return presets | {f"gallery: {text}": name for name, text in GALLERY.items()}
 
 
