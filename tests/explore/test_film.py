@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from browser import SERIOUS, needs_browser
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from open_page import NARROW, WIDE, open_page
 from playwright.sync_api import expect
@@ -90,6 +90,7 @@ contacts = st.tuples(st.integers(0, 2), st.floats(0.0, 3.9e-3), st.floats(0.0, 1
 
 
 @given(st.lists(contacts, max_size=4))
+@settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 def test_every_contact_is_seen_and_nothing_else(found: list[tuple[int, float, float]]) -> None:
     bars = tuple(Bar(stop, start, min(start + lasts, 3.9e-3), 1.0) for stop, start, lasts in found)
     seen, half = lit(bars, TIMES, 3), 0.05e-3
