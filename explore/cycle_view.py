@@ -86,6 +86,7 @@ class CycleView:
             self._cycles[answer.solver] = answer.cycle
         elif isinstance(answer, Compared):
             self._compared = answer.result
+        self._film.visible = bool(self._cycles)
         if not isinstance(answer, Compared):
             self._pictures.show(self._cycles, self._problem.stop_names)
         self._tables.object = results.tables(self._compared, self._cycles)

@@ -61,9 +61,11 @@ class Question:
 
     def plan(self) -> Plan:
         """The sweep whose points are the curve; an `InputError` if there is none."""
+        problem = self.made()
+        problem.require_excitation_frequency("curve")
         if not self.last > self.first:
             raise InputError(f"to = {self.last:g} rad/s: must be greater than from, {self.first:g} rad/s")
-        return Plan(Grid(self.made(), (Axis(FREQUENCY, frequencies(self.first, self.last, self._step)),)))
+        return Plan(Grid(problem, (Axis(FREQUENCY, frequencies(self.first, self.last, self._step)),)))
 
     @property
     def _step(self) -> float:

@@ -8,7 +8,8 @@ import zlib
 
 import pytest
 
-from explore.question import MOST_UNPACKED, Question, coarse_to_fine, opened, read_back, unpacked
+from explore.editing import removed
+from explore.question import MOST_UNPACKED, Question, coarse_to_fine, opened, read_back, unpacked, with_range
 from lapjoint import paper_joint
 from lapjoint.cli.arguments import frequencies
 from lapjoint.errors import InputError
@@ -66,6 +67,14 @@ def test_a_frequency_that_is_chosen_on_the_curve_is_that_of_the_problem() -> Non
     asked = paper()
     omega = asked.plan().grid.axes[0].values[137]
     assert asked.at_frequency(omega).made().excitation_frequency == omega
+
+
+def test_a_problem_without_excitation_has_no_curve_and_says_why() -> None:
+    asked = opened(removed(paper().tables, "base_motion"))
+    with pytest.raises(InputError, match="curve: the excitation must have one angular_frequency"):
+        asked.plan()
+    shaken = asked.with_tables(paper().tables)
+    assert with_range(shaken, shaken.made()) == paper()
 
 
 def test_a_range_that_is_none_is_refused() -> None:
