@@ -40,7 +40,7 @@ class CurveView:
     turn : callable
         Called with another range of frequencies, rad/s.
     later : callable
-        Calls a function after a time, ms.
+        Calls a function after a time, ms, when the models of pictures may be changed.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class CurveView:
         self._hz = pmui.Switch(label="Hz")
         for one in (self._first, self._last):
             one.param.watch(self._ranged, "value")
-        self._hz.param.watch(self._in_other_unit, "value")
+        self._hz.param.watch(lambda _: later(self._in_other_unit, 0), "value")
         ranges = pmui.Row(self._first, self._last, self._hz, sizing_mode=_WIDE)
         picture = pn.pane.Bokeh(self._picture.figure, sizing_mode=_WIDE)
         self.view = pmui.Column(picture, self._summary, ranges, sizing_mode=_WIDE)
@@ -181,7 +181,7 @@ class CurveView:
         """The unit of frequencies on the page, and its size in rad/s."""
         return ("Hz", 2 * math.pi) if self._hz.value else ("rad/s", 1.0)
 
-    def _in_other_unit(self, _: Any) -> None:
+    def _in_other_unit(self) -> None:
         self._show_range()
         self._draw()
 

@@ -29,9 +29,11 @@ class CycleView:
     ----------
     move : callable
         Called with the path of a number that was dragged in the sketch, and its value as text.
+    later : callable
+        Calls a function after a time, ms, when the models of pictures may be changed.
     """
 
-    def __init__(self, move: Callable[[str, str], None]) -> None:
+    def __init__(self, move: Callable[[str, str], None], later: Callable[[Callable[[], None], int], Any]) -> None:
         self.sketch, self._film = Sketch(sizing_mode=_WIDE), Film(sizing_mode=_WIDE)
         self.sketch.param.watch(lambda event: move(*event.new[:2]), "moved", onlychanged=False)
         self.natural = pn.pane.HTML("", sizing_mode=_WIDE, stylesheets=[results.STYLE])
@@ -56,7 +58,7 @@ class CycleView:
             spacing=1,
             sizing_mode=_WIDE,
         )
-        self._film.param.watch(lambda event: self._pictures.mark(event.new), "time")
+        self._film.param.watch(lambda _: later(lambda: self._pictures.mark(self._film.time), 0), "time")
         self.view = pmui.Column(self._headline, self._verdict, self._film, pictures, self._tables, sizing_mode=_WIDE)
 
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:

@@ -52,13 +52,14 @@ class Page:
         self._document: Document = here()
         self._computing: Computing | None = None
         self._question, self._checked = first, checked(first)
+        self._due = False
         self._undo: list[Question] = []
         self._redo: list[Question] = []
         self._changed = "", 0.0
         """The path that was changed last, and when, s of the monotonic clock."""
         self._form, self._slider = FormView(self._edit), Turned(self._edit)
         self._curve = CurveView(self._choose, self._range, self._document.add_timeout_callback)
-        self._cycle = CycleView(self._moved)
+        self._cycle = CycleView(self._moved, self._document.add_timeout_callback)
         self._make_widgets()
         self._show_question()
 
@@ -119,7 +120,7 @@ class Page:
         """Ask what the page shows, of processes for this page alone."""
         self._computing = computing
         computing.deliver = self._heard
-        self._ask()
+        self._follow_soon()
 
     def refuse(self, message: str) -> None:
         """Say why the page has no answers."""
@@ -187,9 +188,19 @@ class Page:
         self._turn_to(question)
 
     def _turn_to(self, question: Question) -> None:
-        """Ask another question, and then show it."""
+        """Turn to another question."""
         self._checked = checked(question)
         self._question = with_range(question, self._checked.problem)
+        self._follow_soon()
+
+    def _follow_soon(self) -> None:
+        """Ask and show the question in a tick of its own: only there the models of pictures may be changed."""
+        if not self._due:
+            self._due = True
+            self._document.add_next_tick_callback(self._follow)
+
+    def _follow(self) -> None:
+        self._due = False
         self._ask()
         self._show_question()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import threading
 import webbrowser
@@ -17,6 +18,9 @@ ADDRESS = "127.0.0.1"
 """The loopback address: no other machine reaches it."""
 MOST_PAGES = 4
 """Most pages that are open at once: each has processes of its own."""
+QUIET = ("bokeh.server.views.ws", "bokeh.server.util", "tornado.access", "asyncio")
+"""Loggers that say, with tracebacks, that a page was closed while an answer was on its way, or that a request was
+refused; a fault of the page itself is logged by others."""
 _UNUSED = 3000
 """Time after which a page that was closed is given up, ms; a page that is loaded again is a new one."""
 
@@ -68,6 +72,8 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
     say : callable
         Called with the address.
     """
+    for name in QUIET:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     pn.extension(inline=True)
     token, crew = secrets.token_urlsafe(16), Crew()
 
