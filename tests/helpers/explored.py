@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Error, Locator, Page, expect, sync_play
 
 from explore.question import Question, unpacked
 
-PATIENCE = 120.0  # s; the first answer may wait for a compilation
+PATIENCE = 300.0  # s; the first answer may wait for a compilation
 FULL = 401  # frequencies of a whole curve
 expect.set_options(timeout=30_000)
 # Texts of all shadow roots; a page of Bokeh consists of them.
