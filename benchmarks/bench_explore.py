@@ -120,8 +120,8 @@ def gap_at(position: int) -> float:
 
 def bench_order(benchmark: Any, visit: Visit) -> None:
     """Moves as fast as keys come: no curve of an older gap is painted after one of a newer gap."""
-    visit.start("preset:sdnl104")
-    visit.start("preset:paper")
+    visit.start("SDNL104")
+    visit.start("Rahmani")
     visit.finished()
     draw, here, walk = random.Random(51), 0, [0]
     visit.page.evaluate("window.curves = []")
@@ -249,8 +249,8 @@ def bench_play(benchmark: Any, request: pytest.FixtureRequest, tmp_path: Path) -
         benchmark.pedantic(play, rounds=1)
         visit.page.set_default_timeout(60_000)
         visit.page.keyboard.press("Escape")
-        visit.start("preset:lap")
-        visit.start("preset:paper")
+        visit.start("two plates")
+        visit.start("Rahmani")
         visit.finished()
         assert set(server.pids) == crew, "a process died"
         assert server.said == ""

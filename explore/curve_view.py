@@ -85,6 +85,8 @@ class CurveView:
             self._draw()
             return
         if key == self._key:
+            self._picture.fade(False)
+            self._tell()
             return
         self._failed, self._key, self._points = "", key, {}
         self._sizes = list(accumulate(map(len, coarse_to_fine(plan.size))))

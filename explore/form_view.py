@@ -212,10 +212,10 @@ class FormView:
 
 
 def _heading(part: Group | Listing) -> str:
-    """The name of a group or a list, and how much there is of it."""
+    """The name of a group or a list, and how much there is of it, as HTML."""
     if isinstance(part, Listing):
         return f"{part.label} ({len(part.items) or 'none'})"
-    return f"{part.label} (none)" if part.absent else part.label
+    return f"{part.label} (none)" if part.absent else escape(part.label)
 
 
 def _on(part: Field) -> bool:
@@ -239,12 +239,11 @@ def _above(path: str) -> list[str]:
 
 
 def message_pane() -> Any:
-    """A place for messages, which is empty at first."""
-    return pn.pane.HTML("", visible=False, sizing_mode=_WIDE, stylesheets=[_STYLE])
+    """A place for messages, which is empty at first; it is never hidden, for that fails before it is drawn."""
+    return pn.pane.HTML("", margin=(0, 10), sizing_mode=_WIDE, stylesheets=[_STYLE])
 
 
 def show_messages(pane: Any, lines: Sequence[str], wrong: bool) -> None:
     """Show messages in their place, each in a line: what is `wrong`, or what looks like a slip."""
     items = "".join(f"<li>{escape(line)}</li>" for line in lines)
-    text = f'<ul role="alert" class="{"wrong" if wrong else "odd"}">{items}</ul>' if lines else ""
-    pane.param.update(object=text, visible=bool(lines))
+    pane.object = f'<ul role="alert" class="{"wrong" if wrong else "odd"}">{items}</ul>' if lines else ""

@@ -169,11 +169,13 @@ class Page:
     def _undone(self) -> None:
         if self._undo:
             self._redo.append(self._question)
+            self._changed = "", 0.0
             self._turn_to(self._undo.pop())
 
     def _redone(self) -> None:
         if self._redo:
             self._undo.append(self._question)
+            self._changed = "", 0.0
             self._turn_to(self._redo.pop())
 
     def _take(self, question: Question, path: str) -> None:

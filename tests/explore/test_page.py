@@ -21,6 +21,7 @@ from playwright.sync_api import Browser, expect
 
 from explore.question import opened
 from lapjoint import paper_joint
+from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import problem_tables, read_problem
 
 pytestmark = [needs_browser, pytest.mark.thorough]
@@ -55,7 +56,7 @@ def kept(server: Explored, shown: Browser) -> Iterator[Visit]:
 def paper(kept: Visit) -> Visit:
     """That page, at the first question, with one stop and its fields open."""
     if kept.state != FIRST:
-        kept.start("preset:paper")
+        kept.start("Lap joint of Rahmani")
         kept.until(lambda: kept.state == FIRST)
     kept.unfold("stops")
     kept.unfold("P2")
@@ -78,7 +79,7 @@ def test_each_kind_of_field_changes_the_problem(paper: Visit) -> None:
     paper.choose("side", "top")
     paper.until(lambda: paper.problem["stops"][0]["side"] == "top")
     paper.page.get_by_role("checkbox", name="may_pull").check()
-    paper.until(lambda: paper.problem["stops"][0]["may_pull"] is True)
+    paper.until(lambda: paper.problem["stops"][0].get("may_pull") is True)
     paper.unfold("base_motion")
     paper.choose("base_motion: kind", "harmonics")
     paper.until(lambda: paper.problem["base_motion"]["kind"] == "harmonics")
@@ -87,7 +88,6 @@ def test_each_kind_of_field_changes_the_problem(paper: Visit) -> None:
     assert len({stop["name"] for stop in paper.problem["stops"]}) == 5
     paper.press("Remove P2")
     paper.until(lambda: [stop["name"] for stop in paper.problem["stops"]][:2] == ["P3", "P4"])
-    paper.type("name", "none of them", which=0)
 
 
 @pytest.mark.parametrize(
@@ -113,16 +113,17 @@ def test_what_is_wrong_stands_at_its_field_in_the_words_of_the_command_line(
         expect(paper.page.get_by_text(fault)).to_be_visible()
     else:
         assert paper.message(field) == fault
-    expect(paper.page.get_by_text("The problem is not valid")).to_be_visible()
+    expect(paper.page.get_by_text("The problem is not valid; this is the curve")).to_be_visible()
     paper.press("Undo")
     paper.until(lambda: paper.state == FIRST)
 
 
 def test_a_click_on_the_curve_chooses_one_of_its_frequencies_to_the_bit(paper: Visit) -> None:
     omegas = FIRST.plan().grid.axes[0].values
-    paper.page.evaluate("scrollTo(0, 0)")
     paper.unfold("base_motion")
     for i in (123, 7, 400):
+        paper.page.evaluate("scrollTo(0, 0)")
+        paper.page.wait_for_timeout(500)  # two clicks in quick succession are a double click
         paper.page.mouse.click(*paper.at(omegas[i]))
         paper.until(lambda omega=omegas[i]: paper.problem["base_motion"]["angular_frequency"] == omega)  # type: ignore[misc]
         assert float(paper.field("angular_frequency [rad/s]").input_value()) == omegas[i]
@@ -157,7 +158,7 @@ def test_what_is_saved_is_what_is_read_and_link_state_and_reload_bring_it_back(
     assert paper.state == state
     paper.unfold("P2")
     expect(paper.field(GAP)).to_have_value("0.00123456789012345")
-    paper.start("preset:lap")
+    paper.start("two plates")
     paper.until(lambda: paper.problem["title"] != state.tables["title"])
     paper.open(saved)
     paper.until(lambda: paper.state == state)
@@ -171,7 +172,7 @@ def test_what_is_saved_is_what_is_read_and_link_state_and_reload_bring_it_back(
 
 
 def test_a_problem_of_the_presets_has_its_own_form_and_curve(paper: Visit) -> None:
-    paper.start("preset:lap")
+    paper.start("two plates")
     paper.until(lambda: len(paper.problem.get("beams", ())) == 2)
     paper.unfold("left edge")
     expect(paper.field("between")).to_have_value('["upper:0.24", "lower:0"]')
@@ -184,7 +185,7 @@ def test_an_own_file_is_opened_or_refused_in_a_sentence(paper: Visit, tmp_path: 
         path.write_bytes(content.encode() if isinstance(content, str) else content)
         return path
 
-    example = run_well("example")
+    example = commented_example()
     good = written("good.toml", example.replace("Lap joint", "Löse joint"))
     deep = json.dumps({"problem": "[" * 5000, "from": 1, "to": 2})
     for path, said in (
@@ -200,9 +201,12 @@ def test_an_own_file_is_opened_or_refused_in_a_sentence(paper: Visit, tmp_path: 
         before = paper.state
         paper.open(path)
         expect(paper.page.get_by_role("alert").filter(has_text=said).first).to_be_visible()
-        assert paper.state == before or path.name == "list.toml"
+        if path.name == "list.toml":  # it is a problem, though not a valid one
+            paper.until(lambda before=before: paper.state != before)  # type: ignore[misc]
+            before = paper.state
+        assert paper.state == before
         paper.open(good)
-        paper.until(lambda: "Löse" in paper.problem["title"])
+        paper.until(lambda: "Löse" in paper.problem.get("title", ""))
         paper.press("Undo")
         paper.until(lambda before=before: paper.state == before)  # type: ignore[misc]
 
@@ -220,10 +224,10 @@ def test_html_in_texts_of_a_problem_is_shown_and_not_run(paper: Visit, tmp_path:
     paper.until(lambda: paper.problem["title"] == EVIL)
     paper.finished()
     expect(paper.page.get_by_role("cell", name=EVIL).first).to_be_visible()
-    paper.unfold(EVIL)
+    paper.page.get_by_role("button", name=EVIL).first.click()
     expect(paper.field(GAP)).to_be_visible()
     paper.type(GAP, EVIL)
-    expect(paper.page.get_by_text("The problem is not valid")).to_be_visible()
+    expect(paper.page.get_by_text("The problem is not valid; this is the curve")).to_be_visible()
     paper.unfold("damping")
     paper.page.get_by_text("must be a number").first.wait_for()
     images = f"() => {{ {WALK} return [...roots(document)].map(r => r.querySelectorAll('img[src=x]').length) }}"
@@ -268,8 +272,10 @@ def test_the_curve_as_csv_is_the_sweep_of_the_command_to_the_bit(
     monkeypatch.chdir(tmp_path)
     run_well(*sweep.split()[1:])
     with xr.open_dataset(tmp_path / "curve.nc") as found:
-        impulses, omegas = found.impulse.values, found["base_motion.angular_frequency"].values
-        outcomes = [found.outcome.attrs["flag_meanings"].split()[i - 1] for i in found.outcome.values]
+        impulses, omegas = found.impulse.values, found.angular_frequency.values
+        flags = found.outcome.attrs
+        words = dict(zip(np.atleast_1d(flags["flag_values"]), flags["flag_meanings"].split(), strict=True))
+        outcomes = [words[i] for i in found.outcome.values]
     assert len(rows) == len(omegas) == 401
     assert [float(row[0]) for row in rows] == list(omegas)
     assert [row[1].lower() for row in rows] == outcomes

@@ -132,7 +132,7 @@ class Visit:
         """Errors of scripts, and of the browser's console."""
         self.asked: set[str] = set()
         """Hosts from which something was asked."""
-        self.page.on("pageerror", lambda error: self.failures.append(str(error)))
+        self.page.on("pageerror", lambda error: self.failures.append(error.stack or str(error)))
         self.page.on("console", lambda line: self.failures.append(line.text) if line.type == "error" else None)
         self.page.on("request", lambda one: self.asked.add(urlsplit(one.url).netloc))
         self.page.goto(address)
@@ -141,7 +141,7 @@ class Visit:
     def close(self) -> None:
         """Close the page; its scripts may not have failed."""
         self.page.context.close()
-        assert self.failures == []
+        assert self.failures == [], self.failures
 
     @property
     def link(self) -> Locator:
