@@ -24,7 +24,7 @@ from lapjoint import paper_joint
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import problem_tables, read_problem
 
-pytestmark = [needs_browser, pytest.mark.thorough]
+pytestmark = [needs_browser, pytest.mark.slow]
 GAP = "gap [m] *"
 FIRST = opened(problem_tables(paper_joint()))
 """What a page asks when it is opened."""
@@ -196,7 +196,6 @@ def test_an_own_file_is_opened_or_refused_in_a_sentence(paper: Visit, tmp_path: 
         (written("broken.json", "{"), "was not written by this page"),
         (written("deep.json", deep), "problem"),
         (written("list.toml", "beam = [1, 2]\nstops = 3\n[supports]"), "stops"),
-        (written("large.toml", "# ä\n" * 2_600_000), "10"),
     ):
         before = paper.state
         paper.open(path)
