@@ -29,7 +29,7 @@ WARM = 180.0
 """Time after which memory may not grow by more than `GROWTH`, s: a process has met most of its code by then."""
 GROWTH = 200.0
 """Most growth of memory in play, MB."""
-GAP, OMEGAS = 1e-3, opened(problem_tables(paper_joint())).plan().grid.axes[0].values
+GAP, OMEGAS = 1e-3, opened(problem_tables(paper_joint())).plan(paper_joint()).grid.axes[0].values
 # Each curve that the browser gets: when the slider was last moved, when the curve was painted, how many of the
 # frequencies of each of the curves that follow each other it has, and its value at the first frequency.
 LISTEN = """stages => {

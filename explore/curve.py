@@ -20,7 +20,7 @@ def curve_answers(question: Question, look: Progress, share: tuple[int, int]) ->
 
     `look` is called now and then, and may end the work by an exception.
     """
-    plan = question.plan()
+    plan = question.plan(question.made())
     job, solver = SweepJob(plan), solver_of(plan)
     points, since = {}, time.monotonic()
     for stage in coarse_to_fine(plan.size):

@@ -13,8 +13,8 @@ from bokeh.models.annotations.geometry import Span
 from bokeh.models.annotations.legends import Legend, LegendItem
 from bokeh.plotting import figure
 
-from lapjoint.answers.steady_state import Outcome
 from lapjoint.campaigns.point import FAILED, Point
+from lapjoint.figures.curve_features import motion_words
 from lapjoint.figures.style import COLOURS
 from lapjoint.figures.text import frequency_text
 
@@ -25,8 +25,6 @@ PALE = 0.3
 """Opacity of a curve that is not that of the problem in the form."""
 ROOM = 0.02
 """Room on either side of the frequencies, as a share of their range."""
-CERTAIN = {outcome.name for outcome in (Outcome.NO_CONTACT, Outcome.PERIODIC, Outcome.CHATTERING)}
-"""Names of the outcomes in which the motion is certified to repeat; all others are in doubt, or no periodic motion."""
 
 
 class CurvePicture:
@@ -99,7 +97,7 @@ class CurvePicture:
             "dash": dashes,
             "stop": list(stops),
         }
-        sure = np.array([points[i].outcome in CERTAIN for i in known], dtype=bool)
+        sure = np.array([points[i].period_multiple > 0 for i in known], dtype=bool)
         at, what = [frequency_text(frequencies[i]) for i in known], [said(points[i]) for i in known]
         self._marks.data = self._rows(places, impulses, stops, at, what, sure) | {
             "colour": [colour for colour in colours for _ in range(int(sure.sum()))],
@@ -170,10 +168,7 @@ def fit(axis: Any, values: Any) -> None:
 
 def said(point: Point) -> str:
     """What was established of a point, in a few words."""
-    if point.outcome == FAILED:
-        return point.message
-    repeats = f", repeats after {point.period_multiple} periods" if point.period_multiple > 1 else ""
-    return point.outcome.lower().replace("_", " ") + repeats
+    return point.message or motion_words(point.outcome.lower(), point.period_multiple, point.symmetric)
 
 
 def _kind(point: Point) -> float:

@@ -15,11 +15,12 @@ import panel_material_ui as pmui
 from explore import results
 from explore.answers import Answer, CurvePart, Failed
 from explore.computing import Computing
-from explore.curve_picture import CERTAIN, CurvePicture, as_csv
+from explore.curve_picture import CurvePicture, as_csv
 from explore.question import Question, coarse_to_fine
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError
 from lapjoint.figures.text import frequency_text
+from lapjoint.problem import Problem
 
 PAINT = 0.08
 """Least time between two drawings of a curve that grows, s: a browser draws it in about half of that."""
@@ -72,12 +73,12 @@ class CurveView:
         picture = pn.pane.Bokeh(self._picture.figure, sizing_mode=_WIDE)
         self.view = pmui.Column(picture, self._summary, ranges, sizing_mode=_WIDE)
 
-    def ask(self, question: Question, computing: Computing) -> None:
-        """Ask for the curve of a question, unless it is the one that was asked last."""
+    def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
+        """Ask for the curve of a question, whose problem is valid, unless it is the one that was asked last."""
         self._stale, self._range = False, (question.first, question.last)
         self._show_range()
         try:
-            plan = question.plan()
+            plan = question.plan(problem)
             key = plan.grid.problem_at(0), plan.grid.axes
         except InputError as error:
             self._failed, self._key, self._points, self._frequencies, self._stops = str(error), None, {}, (), ()
@@ -163,7 +164,7 @@ class CurveView:
         if self._failed:
             return f"There is no curve. {escape(self._failed)}"
         known, size = len(self._points), len(self._frequencies)
-        doubts = sum(point.outcome not in CERTAIN for point in self._points.values())
+        doubts = sum(not point.period_multiple for point in self._points.values())
         peaks = [
             (abs(value), self._frequencies[i], name)
             for i, point in self._points.items()

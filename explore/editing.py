@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from explore.form import of_kind, resolved, schema_at, words_of
+from explore.form import schema_at, word_of, words_of
 from lapjoint.problem.override import assign, toml_value
 from lapjoint.problem.tables import copied
 
 Tables = dict[str, Any]
+Edit = Callable[[Mapping[str, Any]], Tables]
+"""A change: it takes the tables of a problem and gives others."""
+Change = Callable[[Edit, str], None]
+"""Takes a change of a problem, and the path that it changes."""
 
 
 def typed(tables: Mapping[str, Any], path: str, text: str) -> Tables:
@@ -17,13 +21,17 @@ def typed(tables: Mapping[str, Any], path: str, text: str) -> Tables:
 
     What is no value of TOML stays text, so that the message about it shows what was typed.
     """
-    made: Tables = copied(dict(tables))
     if not text.strip():
-        _take(made, path)
-        return made
+        return removed(tables, path)
     part = schema_at(path, tables)
     is_text = part.get("type") == "string" or "enum" in part
-    assign(made, path, text.strip() if is_text else toml_value(text), path)
+    return assigned(tables, path, text.strip() if is_text else toml_value(text))
+
+
+def assigned(tables: Mapping[str, Any], path: str, value: Any) -> Tables:
+    """The tables with a value at a path, or at several."""
+    made: Tables = copied(dict(tables))
+    assign(made, path, value, path)
     return made
 
 
@@ -32,16 +40,13 @@ def added(tables: Mapping[str, Any], path: str) -> Tables:
 
     A first table is empty, so that the messages at its fields say what belongs there.
     """
-    made: Tables = copied(dict(tables))
     if schema_at(path, tables).get("type") != "array":
-        assign(made, path, _empty(path, tables), path)
-        return made
-    listed = list(_at(made, path) or ())
+        return assigned(tables, path, _empty(path, tables))
+    listed = list(_at(tables, path) or ())
     listed.append(copied(listed[-1]) if listed else _empty(f"{path}.0", tables))
     if isinstance(listed[-1], dict) and listed[-1].get("name"):
         listed[-1]["name"] = _another(str(listed[-1]["name"]), {str(one.get("name")) for one in listed[:-1]})
-    assign(made, path, listed, path)
-    return made
+    return assigned(tables, path, listed)
 
 
 def removed(tables: Mapping[str, Any], path: str) -> Tables:
@@ -53,24 +58,19 @@ def removed(tables: Mapping[str, Any], path: str) -> Tables:
 
 def changed_kind(tables: Mapping[str, Any], path: str, word: str) -> Tables:
     """The tables with another kind of table at a path, which keeps the fields that both kinds have."""
-    made: Tables = copied(dict(tables))
-    part, old = schema_at(path, tables), _at(made, path)
+    part, old = schema_at(path, tables), _at(tables, path)
     tag, kinds = words_of(part)
     kept = old if isinstance(old, dict) else {}
     allowed = kinds.get(word, {}).get("properties", {})
-    assign(made, path, {tag: word} | {key: value for key, value in kept.items() if key in allowed and key != tag}, path)
-    return made
+    shared = {key: value for key, value in kept.items() if key in allowed and key != tag}
+    return assigned(tables, path, {tag: word} | shared)
 
 
 def _empty(path: str, tables: Mapping[str, Any]) -> Tables:
     """An empty table for a path, with the word for its kind where there are several."""
-    part = resolved(schema_at(path, tables))
+    part = schema_at(path, tables)
     tag, kinds = words_of(part)
-    if not kinds:
-        return {}
-    word = (part.get("default") or {}).get(tag)
-    plain = next((each for each, one in kinds.items() if one is of_kind(part, {})), next(iter(kinds)))
-    return {tag: word or plain}
+    return {tag: word_of(part, {})} if kinds else {}
 
 
 def _at(tables: Any, path: str) -> Any:

@@ -138,13 +138,16 @@ def words_of(part: Schema) -> tuple[str, dict[str, Schema]]:
     return discriminator.get("propertyName", ""), kinds
 
 
-def of_kind(part: Schema, table: Mapping[str, Any]) -> Schema:
-    """The part of the schema for the kind of a table that the table says it is; the first kind if it says none."""
+def word_of(part: Schema, table: Mapping[str, Any]) -> str:
+    """The word for the kind of a table: what the table says, the default, or the first kind; empty with one kind."""
     tag, kinds = words_of(part)
-    if not kinds:
-        return part
-    word = table.get(tag, (part.get("default") or {}).get(tag))
-    return kinds.get(word, next(iter(kinds.values())))
+    return str(table.get(tag) or (part.get("default") or {}).get(tag) or next(iter(kinds), ""))
+
+
+def of_kind(part: Schema, table: Mapping[str, Any]) -> Schema:
+    """The part of the schema for the kind of a table; that of the first kind if the table says one that is not."""
+    _, kinds = words_of(part)
+    return kinds.get(word_of(part, table), next(iter(kinds.values()))) if kinds else part
 
 
 def _parts(part: Schema, table: Mapping[str, Any], path: str) -> Iterator[Part]:
@@ -173,9 +176,8 @@ def _group(part: Schema, value: Any, path: str, label: str, required: bool) -> G
     hint = _hint(part)
     if not isinstance(value, Mapping):
         return Group(path, label, hint, (), absent=True, removable=not required)
-    word = value.get(tag) or (part.get("default") or {}).get(tag) or next(iter(kinds), "")
     parts = tuple(_parts(part, value, path))
-    return Group(path, label, hint, parts, False, not required, tag, str(word), tuple(kinds))
+    return Group(path, label, hint, parts, False, not required, tag, word_of(part, value), tuple(kinds))
 
 
 def _listing(part: Schema, value: Any, path: str, label: str) -> Listing:

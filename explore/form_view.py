@@ -11,13 +11,12 @@ import panel as pn
 import panel_material_ui as pmui
 
 from explore import editing
+from explore.editing import Change, Edit
 from explore.faults import at_fields
 from explore.form import Field, Group, Listing, Part, all_parts, form_of
 from lapjoint.answers.series import written
 from lapjoint.problem.override import toml_value
 
-Change = Callable[[Callable[[Mapping[str, Any]], editing.Tables], str], None]
-"""Takes a change of the tables of a problem, and the path that it changes."""
 OPEN = ("stops", "base_motion")
 """Parts that are open when a page is opened: where a joint is loose, and what shakes it."""
 Messages = Sequence[tuple[str, str]]
@@ -206,7 +205,7 @@ class FormView:
     def _ticked(self, path: str, event: Any) -> None:
         self._changed(partial(editing.typed, path=path, text=str(bool(event.new)).lower()), path)
 
-    def _changed(self, edit: Callable[[Mapping[str, Any]], editing.Tables], path: str) -> None:
+    def _changed(self, edit: Edit, path: str) -> None:
         if not self._showing:
             self._change(edit, path)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -18,7 +18,7 @@ from explore.answers import Answer, Part
 from explore.computing import Computing
 from explore.curve_view import CurveView
 from explore.cycle_view import CycleView
-from explore.editing import Tables, typed
+from explore.editing import Edit, typed
 from explore.faults import checked
 from explore.form_view import FormView, message_pane, show_messages
 from explore.question import Question, opened, read_back, unpacked, with_range
@@ -33,9 +33,12 @@ FILE = "problem.toml"
 """Name of the file that a page saves."""
 GESTURE = 1.0
 """Time within which changes of one field are undone together, s: a slider that is turned changes it often."""
+LARGEST = 10_000_000
+"""Largest file that is opened, bytes: no problem of a person's hand is a hundredth of that."""
 MOST_UNDONE = 200
 """Number of changes that can be undone."""
 _WIDE = "stretch_width"
+_SMALL: dict[str, Any] = {"variant": "outlined", "size": "small"}
 _HEADING = "h1 { font-size: 1.3rem; margin: 0.4rem 0 }"
 
 
@@ -70,7 +73,7 @@ class Page:
         self._again = pmui.IconButton(icon="redo", label="Redo", description="Redo", on_click=lambda _: self._redone())
         self._start = pmui.Select(label="Start from", options={"...": "", **starts()}, value="", **text)
         self._start.param.watch(self._started, "value")
-        self._file = pmui.FileInput(label="Open a file", accept=".toml,.json", size="small", variant="outlined")
+        self._file = pmui.FileInput(label="Open a file", accept=".toml,.json", **_SMALL)
         self._file.param.watch(self._loaded, "value")
         self._commands = pmui.TextAreaInput(label="The commands that do this", rows=3, sizing_mode=_WIDE)
         self._link = pmui.TextInput(label="A link to this state, while this program runs", **text)
@@ -112,9 +115,7 @@ class Page:
 
     def _download(self, text: str, name: str, content: Callable[[], str]) -> Any:
         """A button that saves what a function gives."""
-        return pmui.FileDownload(
-            callback=lambda: io.StringIO(content()), filename=name, label=text, variant="outlined", size="small"
-        )
+        return pmui.FileDownload(callback=lambda: io.StringIO(content()), filename=name, label=text, **_SMALL)
 
     def begin(self, computing: Computing) -> None:
         """Ask what the page shows, of processes for this page alone."""
@@ -126,7 +127,7 @@ class Page:
         """Say why the page has no answers."""
         show_messages(self._messages, message.split("\n"), True)
 
-    def _edit(self, edit: Callable[[Mapping[str, Any]], Tables], path: str) -> None:
+    def _edit(self, edit: Edit, path: str) -> None:
         """Change the problem."""
         self._take(self._question.with_tables(edit(self._question.tables)), path)
 
@@ -154,6 +155,9 @@ class Page:
         if not event.new:
             return
         name, folder = str(self._file.filename), self._question.folder
+        if len(event.new) > LARGEST:
+            self.refuse(f"{name}: has {len(event.new) / 1e6:.3g} MB; at most {LARGEST / 1e6:g} MB are opened")
+            return
         try:
             text = event.new.decode("utf-8-sig")
             question = (
@@ -214,7 +218,7 @@ class Page:
             self._curve.outdate()
             self._cycle.outdate()
             return
-        self._curve.ask(self._question, computing)
+        self._curve.ask(self._question, problem, computing)
         self._cycle.ask(self._question, problem, computing)
         self._curve.mark(problem.excitation_frequency)
 

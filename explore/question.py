@@ -59,9 +59,8 @@ class Question:
         """The validated problem; an `InputError` has a line for each fault."""
         return problem_from_tables(self.tables, "problem", self.folder)
 
-    def plan(self) -> Plan:
-        """The sweep whose points are the curve; an `InputError` if there is none."""
-        problem = self.made()
+    def plan(self, problem: Problem) -> Plan:
+        """The sweep whose points are the curve, from the problem that was `made`; an `InputError` if there is none."""
         problem.require_excitation_frequency("curve")
         if not self.last > self.first:
             raise InputError(f"to = {self.last:g} rad/s: must be greater than from, {self.first:g} rad/s")

@@ -25,7 +25,7 @@ _UNUSED = 3000
 """Time after which a page that was closed is given up, ms; a page that is loaded again is a new one."""
 
 
-class Crew:
+class Processes:
     """The processes of the pages: those of a page that was closed wait for the next one."""
 
     def __init__(self) -> None:
@@ -75,18 +75,18 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
     for name in QUIET:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     pn.extension(inline=True)
-    token, crew = secrets.token_urlsafe(16), Crew()
+    token, processes = secrets.token_urlsafe(16), Processes()
 
     def opened() -> Any:
         search = "" if pn.state.location is None else pn.state.location.search
         page = Page(question_in(search, question))
 
         def begin() -> None:  # a page that is only fetched gets no processes
-            computing = crew.take()
+            computing = processes.take()
             if computing is None:
                 page.refuse(f"{MOST_PAGES} pages are open; close one of them, and load this one again")
                 return
-            here().on_session_destroyed(lambda _: crew.give_back(computing))
+            here().on_session_destroyed(lambda _: processes.give_back(computing))
             page.begin(computing)
 
         pn.state.onload(begin)
@@ -115,7 +115,7 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
     except KeyboardInterrupt:
         pass
     finally:
-        crew.close()
+        processes.close()
 
 
 def _free_port() -> int:

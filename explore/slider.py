@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import panel_material_ui as pmui
 
-from explore import editing
+from explore.editing import Change, assigned
 from explore.form import Field, all_parts, form_of
 from lapjoint.answers.series import written
 from lapjoint.campaigns.grid import UNITS
 from lapjoint.errors import InputError
-from lapjoint.problem.override import assign, targets
-from lapjoint.problem.tables import copied
+from lapjoint.problem.override import targets
 
 AROUND = 5.0
 """The slider goes from a fifth to five times the number that it starts from: a joint is hardly known worse."""
@@ -32,11 +31,11 @@ class Turned:
 
     Parameters
     ----------
-    change : callable
-        Takes a change of the tables of a problem, and the path that it changes.
+    change : Change
+        Called when a person turns the slider.
     """
 
-    def __init__(self, change: Callable[[Callable[[Mapping[str, Any]], editing.Tables], str], None]) -> None:
+    def __init__(self, change: Change) -> None:
         self._change = change
         self._middle, self._showing = 1.0, False
         self._tables: Mapping[str, Any] = {}
@@ -85,8 +84,9 @@ class Turned:
         except InputError:
             return 0.0
         value = found.pop() if len(found) == 1 else None
-        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        return float(value) if number else 0.0  # type: ignore[arg-type]
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            return 0.0
+        return float(value)
 
     def _choose(self, event: Any) -> None:
         if not self._showing:
@@ -95,14 +95,7 @@ class Turned:
 
     def _turn(self, event: Any) -> None:
         if not self._showing:
-            self._change(partial(_set, path=self._which.value, value=self._at(event.new)), self._which.value)
-
-
-def _set(tables: Mapping[str, Any], path: str, value: float) -> editing.Tables:
-    """The tables with the number at a path, or at several."""
-    made: editing.Tables = copied(dict(tables))
-    assign(made, path, value, "slider")
-    return made
+            self._change(partial(assigned, path=self._which.value, value=self._at(event.new)), self._which.value)
 
 
 def _numbers(tables: Mapping[str, Any]) -> list[str]:

@@ -100,11 +100,16 @@ def motions_of(dataset: xr.Dataset) -> list[str]:
     names, words = flag_names(dataset.outcome.attrs), []
     columns = (dataset[name].values.tolist() for name in ("outcome", "period_multiple", "symmetric"))
     for code, multiple, mirrors in zip(*columns, strict=True):
-        repeats = f", {multiple} period{'s' * (multiple > 1)}" if multiple else ""
-        word = names[code].replace("_", " ")
-        plain = word == "no contact" and multiple == 1
-        words.append(word if plain else word + repeats + ", symmetric" * bool(multiple and mirrors))
+        words.append(motion_words(names[code], multiple, mirrors))
     return words
+
+
+def motion_words(outcome: str, multiple: int, mirrors: bool) -> str:
+    """A motion in words; `multiple` is its period multiple, 0 if it does not repeat."""
+    repeats = f", {multiple} period{'s' * (multiple > 1)}" if multiple else ""
+    word = outcome.replace("_", " ")
+    plain = word == "no contact" and multiple == 1
+    return word if plain else word + repeats + ", symmetric" * bool(multiple and mirrors)
 
 
 def exceeding(x: FloatArray, y: FloatArray, limit: float) -> tuple[int, list[tuple[float, float]]]:

@@ -77,7 +77,7 @@ def test_the_curve_is_that_of_a_sweep_to_the_bit(shared: tuple[Computing, Listen
     computing, listener = shared
     asked = paper(1.1e-3)
     number = computing.ask("curve", asked)
-    axis = asked.plan().grid.axes[0]
+    axis = asked.plan(asked.made()).grid.axes[0]
     listener.until(lambda: len(listener.points(number)) == len(axis.values))
     some = [0, 57, 200, 333, 400]
     found = sweep(asked.made(), [Axis(FREQUENCY, [axis.values[i] for i in some])])

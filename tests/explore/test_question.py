@@ -59,20 +59,20 @@ def test_the_curve_is_the_sweep_that_the_command_says() -> None:
     asked = paper()
     words = asked.commands("my joint.toml")[0].split()
     first, last, step = (float(words[words.index(name) + 1]) for name in ("--from", "--to", "--step"))
-    assert asked.plan().grid.axes[0].values == frequencies(first, last, step)
+    assert asked.plan(asked.made()).grid.axes[0].values == frequencies(first, last, step)
     assert "'my joint.toml'" in asked.commands("my joint.toml")[0]
 
 
 def test_a_frequency_that_is_chosen_on_the_curve_is_that_of_the_problem() -> None:
     asked = paper()
-    omega = asked.plan().grid.axes[0].values[137]
+    omega = asked.plan(asked.made()).grid.axes[0].values[137]
     assert asked.at_frequency(omega).made().excitation_frequency == omega
 
 
 def test_a_problem_without_excitation_has_no_curve_and_says_why() -> None:
     asked = opened(removed(paper().tables, "base_motion"))
     with pytest.raises(InputError, match="curve: the excitation must have one angular_frequency"):
-        asked.plan()
+        asked.plan(asked.made())
     shaken = asked.with_tables(paper().tables)
     assert with_range(shaken, shaken.made()) == paper()
 
@@ -80,4 +80,4 @@ def test_a_problem_without_excitation_has_no_curve_and_says_why() -> None:
 def test_a_range_that_is_none_is_refused() -> None:
     asked = Question(paper().problem, 500.0, 100.0)
     with pytest.raises(InputError, match="to = 100 rad/s: must be greater than from"):
-        asked.plan()
+        asked.plan(asked.made())

@@ -44,8 +44,9 @@ class SweepJob(Job[Plan, Point]):
         try:
             problem = _started(plan, point, number, solver)
             start = None if section is None else section_from(section)
-            effort: dict[str, Any] = {"sensitivity": plan.sensitivity, "errors": plan.errors, "progress": progress}
-            found = solver.steady_state(problem, start=start, **effort)
+            found = solver.steady_state(
+                problem, start=start, sensitivity=plan.sensitivity, errors=plan.errors, progress=progress
+            )
             samples = strobed(found, plan.strobe, plan.at) if plan.at is not None else {}
         except SolverError as error:
             return Point(message=str(error)), section
