@@ -64,7 +64,7 @@ class CycleView:
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
         """Ask for the cycle of a question, whose problem is valid."""
         self._problem, self._cycles, self._compared, self._failed = problem, {}, None, ""
-        self._stale = False
+        self._stale, self._film.rests = False, True
         omega = problem.excitation_frequency
         self._headline.object = "Cycle" if omega is None else f"Cycle at {frequency_text(omega)}"
         self._number = computing.ask("cycle", question)
@@ -85,6 +85,7 @@ class CycleView:
         elif isinstance(answer, CycleFound):
             if not self._cycles:
                 self._film.scene = scene_of(self._problem, answer.cycle)
+                self._film.rests = False
             self._cycles[answer.solver] = answer.cycle
         elif isinstance(answer, Compared):
             self._compared = answer.result

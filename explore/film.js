@@ -28,7 +28,7 @@ export function render({model, el}) {
   const button = make('button', {type: 'button'}, controls)
   const range = make('input', {type: 'range', min: 0, step: 1, 'aria-label': 'Time in the cycle'}, controls)
   const time = make('span', {}, controls), scale = make('span', {}, controls)
-  let scene = null, parts = null, at = 0, since = 0
+  let scene = null, parts = null, at = 0, since = 0, frame = 0
   let runs = !matchMedia('(prefers-reduced-motion: reduce)').matches
 
   function draw() {
@@ -43,17 +43,21 @@ export function render({model, el}) {
     time.textContent = `t = ${scene.labels[at]}`
   }
   function tick(now) {
-    if (!runs || !scene) return
     const next = Math.floor((now - since) / LASTS * scene.times.length) % scene.times.length
     if (next >= 0 && next !== at) { at = next; draw() }
-    requestAnimationFrame(tick)
+    frame = requestAnimationFrame(tick)
+  }
+  function roll() {  // one film at a time, and none while it stands still
+    cancelAnimationFrame(frame)
+    if (runs && scene && !model.rests)
+      frame = requestAnimationFrame(now => { since = now - (at + 0.5) / scene.times.length * LASTS; tick(now) })
   }
   function run(on) {
     runs = on
     button.textContent = runs ? 'Pause' : 'Play'
     if (!scene) return
     model.time = runs ? null : scene.times[at]
-    if (runs) requestAnimationFrame(now => { since = now - (at + 0.5) / scene.times.length * LASTS; tick(now) })
+    roll()
   }
   function show() {
     const had = scene
@@ -80,8 +84,9 @@ export function render({model, el}) {
   }
   button.onclick = () => run(!runs)
   range.oninput = () => { at = Number(range.value); if (runs) run(false); else model.time = scene.times[at]; draw() }
+  model.on('rests', roll)
   model.on('shown', show)
-  model.on('remove', () => { runs = false })
+  model.on('remove', () => { runs = false; roll() })
   show()
 }
 const SVG = 'http://www.w3.org/2000/svg', HTML = 'http://www.w3.org/1999/xhtml'

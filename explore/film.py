@@ -142,6 +142,8 @@ class Film(JSComponent):
     """What is shown."""
     time = param.Number(default=None, allow_None=True)
     """The time of the frame that is shown, s since the start of the motion; None while the film runs."""
+    rests = param.Boolean(default=False)
+    """Whether the film stands still, as one of an older question does: the next curve needs the processor."""
     shown = param.String(default="null")
     """What the browser shows, as JSON."""
 

@@ -18,6 +18,11 @@ _BEHIND = 15
 """By how much the cycle gives way to the curve, as ``nice`` counts: the curve is looked at first."""
 
 
+_AFTER = 0.3
+"""Time for which the cycle lets the curve go first, s: the first curve takes about as long, and who turns a slider asks
+for another cycle meanwhile."""
+
+
 class _SupersededError(Exception):
     """A newer question waits."""
 
@@ -48,7 +53,8 @@ def work(pipe: Connection, share: tuple[int, int] | None) -> None:
         if question is None:
             continue
         try:
-            look(0.0, 1.0)
+            if pipe.poll(_AFTER if share is None else 0.0):
+                continue
             for answer in each_in_one_thread(answers(question, look)):
                 pipe.send((number, answer))
         except _SupersededError:
