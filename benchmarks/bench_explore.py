@@ -38,6 +38,7 @@ LISTEN = """stages => {
   const picture = Bokeh.documents[0].get_model_by_name("curve");
   const source = picture.renderers.find(one => one.name === "curve lines").data_source;
   source.properties.data.change.connect(() => {
+    if (!source.data.xs.length) return;  // between two problems
     const xs = source.data.xs[0], ys = source.data.ys[0], found = new Set(xs);
     const whole = stages.filter(stage => stage.every(omega => found.has(omega))).length;
     const curve = {moved: window.moved, first: xs[0], value: ys[0], whole};
