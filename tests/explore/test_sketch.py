@@ -118,7 +118,7 @@ def pulled(one: Played, handle: Locator, across: float, down: float, steps: int 
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [WIDE, NARROW])
 def test_a_stop_follows_the_mouse_by_hundredths_of_the_beam(width: int) -> None:
     with played(width=width) as one:
@@ -140,7 +140,7 @@ def test_a_stop_follows_the_mouse_by_hundredths_of_the_beam(width: int) -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_gap_doubles_when_its_face_is_pulled_away_by_a_drawn_gap() -> None:
     with played() as one:
         above, below = one.handle("P4, gap in m"), one.handle("P2, gap in m")
@@ -155,7 +155,7 @@ def test_a_gap_doubles_when_its_face_is_pulled_away_by_a_drawn_gap() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_keys_move_by_steps_and_hold_at_the_ends() -> None:
     stop = Stop(name="P", x=1.0, side="top", gap=-5e-5, stiffness=1e8)
     still = Problem(beam=paper_joint().beam, supports=paper_joint().supports, stops=(stop,))
@@ -178,7 +178,7 @@ def test_keys_move_by_steps_and_hold_at_the_ends() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_new_picture_takes_neither_the_focus_nor_a_drag() -> None:
     with played(answers=False) as one:
         handle, other = one.handle("P3, position in m"), one.handle("P4, gap in m")
@@ -211,7 +211,7 @@ def test_a_new_picture_takes_neither_the_focus_nor_a_drag() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_quick_keys_are_all_counted_while_pictures_come() -> None:
     with played() as one:
         handle = one.handle("P3, position in m")
@@ -226,7 +226,7 @@ def test_quick_keys_are_all_counted_while_pictures_come() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_moves_are_sent_25_times_a_second_at_most() -> None:
     with played(answers=False) as one:
         x, y = centre(handle := one.handle("P3, position in m"))
@@ -243,7 +243,7 @@ def test_moves_are_sent_25_times_a_second_at_most() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_finger_drags_a_stop_and_does_not_scroll_the_page() -> None:
     with played(width=NARROW, has_touch=True, is_mobile=True) as one:
         handle = one.handle("P3, position in m")
@@ -261,7 +261,7 @@ def test_a_finger_drags_a_stop_and_does_not_scroll_the_page() -> None:
 
 
 @needs_browser
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_checker_finds_nothing_serious_and_the_keyboard_reaches_all(scheme: str) -> None:
     from axe_core_python.sync_playwright import Axe

@@ -36,8 +36,11 @@ def served(make: Callable[[], Any]) -> Iterator[str]:
     thread.start()
     server = running.get(timeout=60)
 
-    def end() -> None:
+    async def end() -> None:
+        while any(session.connection_count for session in server.get_sessions()):  # a socket of a browser that closes
+            await asyncio.sleep(0.01)
         server.stop()
+        await server._http.close_all_connections()
         server.io_loop.stop()
 
     try:
