@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from html import escape
 from typing import Any
 from urllib.parse import parse_qs
 
@@ -40,6 +41,7 @@ MOST_UNDONE = 200
 _WIDE = "stretch_width"
 _SMALL: dict[str, Any] = {"variant": "outlined", "size": "small"}
 _HEADING = "h1 { font-size: 1.3rem; margin: 0.4rem 0 }"
+_ELSEWHERE = ":host { font-size: 0.9rem } pre { overflow-x: auto; padding: 0.5rem 0 }"
 
 
 class Page:
@@ -75,8 +77,7 @@ class Page:
         self._start.param.watch(self._started, "value")
         self._file = pmui.FileInput(label="Open a file", accept=".toml,.json", **_SMALL)
         self._file.param.watch(self._loaded, "value")
-        self._commands = pmui.TextAreaInput(label="The commands that do this", rows=3, sizing_mode=_WIDE)
-        self._link = pmui.TextInput(label="A link to this state, while this program runs", **text)
+        self._elsewhere = pn.pane.HTML("", sizing_mode=_WIDE, stylesheets=[_ELSEWHERE])
 
     def view(self) -> Any:
         """The page as Panel shows it."""
@@ -98,8 +99,7 @@ class Page:
             self._curve.view,
             self._cycle.view,
             pmui.FlexBox(curve, cycle),
-            self._commands,
-            self._link,
+            self._elsewhere,
             sizing_mode=_WIDE,
         )
         grid = pmui.Grid(
@@ -235,12 +235,10 @@ class Page:
         self._slider.show(tables)
         show_messages(self._messages, self._form.general, bool(found.faults))
         self._back.disabled, self._again.disabled = not self._undo, not self._redo
-        self._commands.value = "\n".join(question.commands(FILE))
-        location = pn.state.location
+        location, search = pn.state.location, f"?{STATE}={question.packed()}"
         if location is not None:
-            location.search = f"?{STATE}={question.packed()}"
-            page = f"{location.protocol}//{location.hostname}:{location.port}{location.pathname}"
-            self._link.value = page + location.search
+            location.search = search
+        self._elsewhere.object = _elsewhere(question, search)
 
 
 def here() -> Document:
@@ -248,6 +246,15 @@ def here() -> Document:
     document = pn.state.curdoc
     assert document is not None
     return document
+
+
+def _elsewhere(question: Question, search: str) -> str:
+    """What brings the answers to a question elsewhere, as HTML: the commands, and a link."""
+    title, commands = "The commands that do this", escape("\n".join(question.commands(FILE)))
+    return (
+        f'<p>{title}:</p><pre tabindex="0" role="group" aria-label="{title}">{commands}</pre>'
+        f'<p><a href="{search}" target="_blank">A link to this state</a>, while this program runs</p>'
+    )
 
 
 def question_in(address: str, otherwise: Question) -> Question:

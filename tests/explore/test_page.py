@@ -152,7 +152,7 @@ def test_what_is_saved_is_what_is_read_and_link_state_and_reload_bring_it_back(
     paper.until(lambda: paper.state.first == 111.1)
     state = paper.state
     assert read_problem(paper.save("Save as problem.toml", tmp_path)) == state.made()
-    saved, link = paper.save("Save the state", tmp_path), paper.link.input_value()
+    saved, link = paper.save("Save the state", tmp_path), paper.address
     paper.page.reload()
     paper.link.wait_for()
     assert paper.state == state
@@ -266,7 +266,7 @@ def test_the_curve_as_csv_is_the_sweep_of_the_command_to_the_bit(
     paper.save("Save as problem.toml", tmp_path)
     with paper.save("Curve as CSV", tmp_path).open(encoding="utf-8") as file:
         head, *rows = csv.reader(file)
-    commands = paper.page.get_by_label("The commands that do this").input_value().split("\n")
+    commands = paper.page.get_by_role("group", name="The commands that do this").inner_text().split("\n")
     sweep = next(line for line in commands if line.startswith("lapjoint sweep "))
     monkeypatch.chdir(tmp_path)
     run_well(*sweep.split()[1:])

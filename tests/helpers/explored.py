@@ -145,13 +145,18 @@ class Visit:
 
     @property
     def link(self) -> Locator:
-        """The field with the link to the state."""
-        return self.page.get_by_label("A link to this state", exact=False)
+        """The link to the state."""
+        return self.page.get_by_role("link", name="A link to this state")
+
+    @property
+    def address(self) -> str:
+        """The address that the link leads to."""
+        return str(self.link.evaluate("one => one.href"))
 
     @property
     def state(self) -> Question:
         """What the page asks, as its link has it."""
-        return unpacked(parse_qs(urlsplit(self.link.input_value()).query)["state"][0])
+        return unpacked(parse_qs(urlsplit(self.address).query)["state"][0])
 
     @property
     def problem(self) -> dict[str, Any]:
