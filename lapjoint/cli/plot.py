@@ -44,7 +44,7 @@ class Look(NamedTuple):
     "--variable",
     metavar="NAME",
     help="Variable of sweeps to draw in place of the impulses, e.g. stress_peak after --summary stress_peak; of "
-    "statistics impulse, peak_force, contact_duration or impact_speed.",
+    "statistics impulse, peak_force, contact_duration, impact_speed or stress_range.",
 )
 @click.option(
     "--limit",
@@ -62,8 +62,8 @@ def plot(
     Several sweeps, such as one upwards and one downwards, are drawn in one figure.  The figure of sweeps or of branches
     shows the impulse of each stop over the parameter; of sweeps with --strobe, a bifurcation diagram; of branches in
     two parameters, the loci of their bifurcations; of basins, the motion in which each start ends, or the fraction of
-    starts that end in each motion; of statistics, the rate of contacts that exceed a value.  For sweeps, peaks and
-    jumps are printed.
+    starts that end in each motion; of statistics, the rate of contacts or cycles of stress that exceed a value.  For
+    sweeps, peaks and jumps are printed.
     """
     from lapjoint.campaigns.basins.spec import BasinPlan
     from lapjoint.campaigns.branches.spec import BranchSpec

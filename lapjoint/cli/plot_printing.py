@@ -27,6 +27,8 @@ JUMPS_SHOWN = 20
 RUNS_SHOWN = 4
 _CURVE = 18
 """Width of the column of stops, characters."""
+_NAME = 30
+"""Width of a column of stops or places, characters."""
 
 
 def print_features(dataset: xr.Dataset, variable: str, limits: list[float], name: str = "") -> None:
@@ -121,14 +123,17 @@ def _print_exceeded(curve: str, count: int, runs: list[tuple[float, float]], poi
 
 
 def print_exceedance(dataset: xr.Dataset, quantity: str, limit: float) -> None:
-    """Print how often contacts exceed a limit: between the rates at the edges of the bin in which the limit lies."""
+    """Print how often a limit is exceeded: between the rates at the edges of the bin in which the limit lies."""
+    from lapjoint.figures.exceedance import counted, names_in
+
     low, top = dataset[f"{quantity}_low"].values, dataset[f"{quantity}_high"].values[-1]
     rates, ends = dataset[f"{quantity}_exceedance"].values, dataset[f"{quantity}_exceedance_interval"].values
     at = int(np.searchsorted(low, limit, side="right"))
     unit = written(str(dataset[f"{quantity}_low"].attrs["units"]))
-    echo(f"\nContacts a second beyond the limit of {limit:g} {unit}, and their 95 % interval")
-    for name, rate, end in zip(dataset.stop_name.values, rates, ends, strict=True):
+    echo(f"\n{counted(quantity).capitalize()} a second beyond the limit of {limit:g} {unit}, and their 95 % interval")
+    for i, name in names_in(dataset, quantity).items():
+        rate, end = rates[i], ends[i]
         most, high = (rate[max(at - 1, 0)], end[max(at - 1, 0), 1]) if limit < top else (0.0, end[-1, 1])
         least, low_end = (rate[at], end[at, 0]) if at < low.size else (0.0, 0.0)
         numbers = f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
-        echo(f"{cut_to(str(name), _CURVE - 2):<{_CURVE}}{numbers:<28}{low_end:.3g} to {high:.3g}")
+        echo(f"{cut_to(name, _NAME - 2):<{_NAME}}{numbers:<28}{low_end:.3g} to {high:.3g}")

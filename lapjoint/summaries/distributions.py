@@ -1,14 +1,18 @@
-"""Distributions of contacts in a fixed number of bins of equal ratio, `PER_DECADE` in a decade.
+"""Distributions of contacts or cycles of stress in a fixed number of bins of equal ratio, `PER_DECADE` in a decade.
 
-The number of contacts beyond an edge of a bin is exact, also in the tails.  Edges are 12 % apart.
+The number beyond an edge of a bin is exact, also in the tails.  Edges are 12 % apart.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from lapjoint.problem import FloatArray
+from lapjoint.summaries import intervals
+from lapjoint.summaries.valued import Variable, valued
 
 IndexArray = npt.NDArray[np.intp]
 
@@ -31,3 +35,32 @@ def edges(first: int, last: int) -> FloatArray:
 
 
 _EDGES = 10.0 ** (DECADES[0] + np.arange(BINS + 1) / PER_DECADE)
+
+
+def distribution(
+    name: str, of: str, counts: npt.NDArray[Any], duration: float, measured: tuple[str, str], what: str
+) -> dict[str, Variable]:
+    """Edges of bins, counts in them, and rates of exceedance, from the lowest bin to the highest that is in use.
+
+    `counts` are those of units of a `duration`, s, (U, n, BINS), over the dimension `of`; `measured` has the units and
+    the name of the values, and `what` is counted.
+    """
+    units, text = measured
+    used = np.flatnonzero(counts.any(axis=(0, 1)))
+    first, last = (int(used[0]), int(used[-1])) if used.size else (0, 0)
+    counts, ends, bins = counts[..., first : last + 1], edges(first, last), f"{name}_bin"
+    beyond, attributes = counts[..., ::-1].cumsum(axis=-1)[..., ::-1], {"units": units, "long_name": text}
+    about = {"units": "1", "long_name": f"{what} in the bin, by the {text}"}
+    return {
+        f"{name}_low": ((bins,), ends[:-1], attributes | {"comment": "lower edge of the bin"}),
+        f"{name}_high": ((bins,), ends[1:], attributes | {"comment": "upper edge of the bin"}),
+        f"{name}_count": ((of, bins), counts.sum(axis=0), about),
+        **valued(
+            f"{name}_exceedance",
+            (of, bins),
+            beyond.mean(axis=0) / duration,
+            intervals.of_rate(beyond, duration),
+            "s-1",
+            f"{what} a second that reach or exceed the lower edge of the bin, by the {text}",
+        ),
+    }

@@ -4,7 +4,7 @@
   places, to the count from half of the samples, divided by the largest damage.
 - ``equivalent_range`` is the range of which one cycle in each period of the excitation, or each second where there is
   no period, does the same damage; the attribute ``equivalent_rate`` is this rate.
-- ``largest_range`` is the largest range, and ``stress_range_count`` the number of cycles in each bin of the range.
+- ``largest_range`` is the largest range.  Ranges have a distribution over ``x``, as contacts have over ``stop``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lapjoint.summaries import intervals
-from lapjoint.summaries.distributions import edges
+from lapjoint.summaries.distributions import distribution, edges
 from lapjoint.summaries.measure import Measure
 from lapjoint.summaries.quantities import is_rounding
 from lapjoint.summaries.rainflow import Places
@@ -53,17 +53,8 @@ def fatigue_table(what: Measure, sums: Sums, binned: bool = True) -> dict[str, V
 
 
 def _ranges(sums: Sums, known: npt.NDArray[np.bool_], largest: float) -> dict[str, Variable]:
-    """Number of cycles in each bin of the range that is in use, and edges of the bins."""
-    counts = sums.range_counts.sum(axis=0) * known[:, None]
-    used = np.flatnonzero(counts.any(axis=0) & (edges(0, counts.shape[1] - 1)[1:] > _ROUNDING * largest))
-    first, last = (int(used[0]), int(used[-1])) if used.size else (0, 0)
-    of, attributes = edges(first, last), {"units": "Pa", "long_name": "range of stress of a cycle"}
-    return {
-        "stress_range_low": (("range_bin",), of[:-1], attributes | {"comment": "lower edge of the bin"}),
-        "stress_range_high": (("range_bin",), of[1:], attributes | {"comment": "upper edge of the bin"}),
-        "stress_range_count": (
-            ("x", "range_bin"),
-            counts[:, first : last + 1],
-            {"units": "1", "long_name": "cycles in the bin; half cycles count half"},
-        ),
-    }
+    """The distribution of the ranges of cycles, from the lowest bin that is not of rounding."""
+    counts = sums.range_counts * known[:, None]
+    counts[..., edges(0, counts.shape[-1] - 1)[1:] <= _ROUNDING * largest] = 0
+    what = ("Pa", "range of stress of a cycle"), "cycles"
+    return distribution("stress_range", "x", counts, sums.duration, *what)

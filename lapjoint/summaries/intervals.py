@@ -19,6 +19,7 @@ Without any event, D is 1.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -54,19 +55,19 @@ def of_rms(units: FloatArray) -> FloatArray:
     return np.sqrt(of_positive_mean(units))
 
 
-def of_rate(counts: npt.NDArray[np.int64], duration: float) -> FloatArray:
+def of_rate(counts: npt.NDArray[Any], duration: float) -> FloatArray:
     """The interval, (..., 2), of events a second, from counts in units, (U, ...), of a duration, s."""
     rare = is_rare(counts)
     often = of_positive_mean(counts / duration)
     return np.where(rare[..., None], _of_rare(counts) / (counts.shape[0] * duration), often)
 
 
-def is_rare(counts: npt.NDArray[np.int64]) -> npt.NDArray[np.bool_]:
+def is_rare(counts: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
     """Whether events are so rare that their counts in units, (U, ...), are far from normally distributed."""
     return np.asarray(np.mean(counts >= FEW, axis=0) < 0.5)
 
 
-def _of_rare(counts: npt.NDArray[np.int64]) -> FloatArray:
+def _of_rare(counts: npt.NDArray[Any]) -> FloatArray:
     """The interval of the number of events in all units, shape ``(..., 2)``."""
     from scipy.special import gammaincinv
 

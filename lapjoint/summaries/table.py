@@ -24,7 +24,7 @@ import numpy.typing as npt
 from lapjoint.answers.series import place_coordinates, stop_coordinates
 from lapjoint.problem import FloatArray
 from lapjoint.summaries import intervals
-from lapjoint.summaries.distributions import edges
+from lapjoint.summaries.distributions import distribution
 from lapjoint.summaries.fatigue_table import fatigue_table
 from lapjoint.summaries.measure import ENOUGH, LONG, Measure
 from lapjoint.summaries.quantities import is_rounding
@@ -228,30 +228,8 @@ def _largest(sums: Sums) -> dict[str, Variable]:
 
 
 def _distributions(sums: Sums) -> dict[str, Variable]:
-    """Counts in bins, from the lowest to the highest that any stop has, and rates of exceedance of their edges."""
+    """The distribution of each of `OF_CONTACTS`."""
     found: dict[str, Variable] = {}
     for k, name in enumerate(OF_CONTACTS):
-        units, text = _OF_CONTACTS[name]
-        counts = sums.counts[:, :, k]
-        used = np.flatnonzero(counts.any(axis=(0, 1)))
-        first, last = (int(used[0]), int(used[-1])) if used.size else (0, 0)
-        counts, of = counts[:, :, first : last + 1], edges(first, last)
-        beyond = counts[:, :, ::-1].cumsum(axis=2)[:, :, ::-1]
-        bins = f"{name}_bin"
-        attributes = {"units": units, "long_name": text}
-        found[f"{name}_low"] = (bins,), of[:-1], attributes | {"comment": "lower edge of the bin"}
-        found[f"{name}_high"] = (bins,), of[1:], attributes | {"comment": "upper edge of the bin"}
-        found[f"{name}_count"] = (
-            ("stop", bins),
-            counts.sum(axis=0),
-            {"units": "1", "long_name": f"contacts in the bin, by the {text}"},
-        )
-        found |= valued(
-            f"{name}_exceedance",
-            ("stop", bins),
-            beyond.mean(axis=0) / sums.duration,
-            intervals.of_rate(beyond, sums.duration),
-            "s-1",
-            f"contacts a second that reach or exceed the lower edge of the bin, by the {text}",
-        )
+        found |= distribution(name, "stop", sums.counts[:, :, k], sums.duration, _OF_CONTACTS[name], "contacts")
     return found

@@ -83,6 +83,7 @@ def test_statistics_are_drawn_and_how_often_contacts_exceed_a_limit_is_printed()
     assert beyond[3].split()[:3] == ["P2", "0", "0"]
     assert_refused(run("plot", "stats.nc", "--wide"), "--wide: a figure of statistics has one look", 1)
     assert_refused(run("plot", "stats.nc", "--variable", "colour"), "quantity = 'colour': allowed are impulse", 1)
+    assert_refused(run("plot", "stats.nc", "--variable", "stress_range"), "with [beam.material.fatigue]", 1)
 
 
 REFUSED = {

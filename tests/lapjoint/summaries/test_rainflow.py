@@ -17,6 +17,7 @@ import fe_lapjoint
 from lapjoint import Beam, InputError, Problem, statistics
 from lapjoint.answers.contact_state import FREE
 from lapjoint.answers.dissipation import taken
+from lapjoint.figures import plot_exceedance
 from lapjoint.problem import FloatArray, SNLine
 from lapjoint.problem.files import from_toml, to_toml
 from lapjoint.summaries import summarise
@@ -196,6 +197,24 @@ def test_stretches_have_the_damage_of_the_whole_motion() -> None:
     parts = sum(piece.damage for piece in pieces if piece is not None) + cut.finish().damage
     once.damage += whole.finish().damage
     assert parts == pytest.approx(once.damage, rel=1e-4)
+
+
+def test_cycles_in_bins_do_the_damage_of_all_cycles_and_are_drawn_where_it_is_largest() -> None:
+    problem = joint(base='kind = "random"\npsd = [[4.0, 0.4], [40.0, 0.4]]\nseed = 2')
+    found = statistics(problem, duration=20.0, options={"n_modes": 2}, at=[0.2])
+    counts, seconds = found.stress_range_count.values, found.attrs["unit_duration"] * found.attrs["units"]
+    least, most = (counts @ LINE.damage(found[f"stress_range_{end}"].values) / seconds for end in ("low", "high"))
+    assert np.all(least <= found.damage_rate.values * (1 + 1e-9))
+    assert np.all(found.damage_rate.values <= most * (1 + 1e-9))
+    beyond = found.stress_range_exceedance.values
+    assert beyond[:, 0] == pytest.approx(counts.sum(axis=1) / seconds)
+    axes = plot_exceedance(found, quantity="stress_range")
+    assert [line.get_label() for line in axes.lines] == ["x = 0 m, largest damage", "x = 0.2 m"]
+    for line, i in zip(axes.lines, (found.damage_rate.values.argmax(), found.asked.values.argmax()), strict=True):
+        drawn = np.isin(found.stress_range_low.values, line.get_xdata())
+        assert np.array_equal(line.get_ydata(), beyond[i][drawn])
+    with pytest.raises(InputError, match=r"cycles are counted of a material with \[beam.material.fatigue\]"):
+        plot_exceedance(found.drop_vars("stress_range_count"), quantity="stress_range")
 
 
 @pytest.mark.thorough
