@@ -248,6 +248,10 @@ def bench_play(benchmark: Any, request: pytest.FixtureRequest, tmp_path: Path) -
                     curve.append((sampled - begin, server.memory))
 
         benchmark.pedantic(play, rounds=1)
+        warm = [memory for at, memory in curve if at <= WARM]
+        benchmark.extra_info.update(moves=player.done, memory=[(round(at), round(memory)) for at, memory in curve])
+        print(benchmark.extra_info)
+        assert max(memory for _, memory in curve) < max(warm, default=0.0) + GROWTH
         visit.page.set_default_timeout(60_000)
         visit.page.keyboard.press("Escape")
         visit.start("two plates")
@@ -256,7 +260,3 @@ def bench_play(benchmark: Any, request: pytest.FixtureRequest, tmp_path: Path) -
         assert set(server.pids) == crew, "a process died"
         assert server.said == ""
         visit.close()
-    warm = [memory for at, memory in curve if at <= WARM]
-    benchmark.extra_info.update(moves=player.done, memory=[(round(at), round(memory)) for at, memory in curve])
-    print(benchmark.extra_info)
-    assert max(memory for _, memory in curve) < max(warm, default=0.0) + GROWTH

@@ -128,8 +128,12 @@ class Page:
         show_messages(self._messages, message.split("\n"), True)
 
     def _edit(self, edit: Edit, path: str) -> None:
-        """Change the problem."""
-        self._take(self._question.with_tables(edit(self._question.tables)), path)
+        """Change the problem, unless the change is one of a form or a sketch of before, whose place is gone."""
+        try:
+            tables = edit(self._question.tables)
+        except InputError:
+            return
+        self._take(self._question.with_tables(tables), path)
 
     def _moved(self, path: str, value: str) -> None:
         """Take a number that was dragged in the sketch."""

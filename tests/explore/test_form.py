@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from functools import partial
 from typing import Any
 
 import pytest
@@ -12,7 +13,8 @@ from explore.editing import added, changed_kind, removed, typed
 from explore.faults import at_fields, checked
 from explore.form import Field, Group, Listing, all_parts, form_of, number_text
 from explore.question import Question, opened
-from lapjoint import paper_joint
+from explore.starts import starts, tables_of
+from lapjoint import InputError, paper_joint
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import json_schema, problem_from_tables, problem_tables, tables_from_toml
 
@@ -114,3 +116,19 @@ def test_another_kind_keeps_the_fields_that_both_kinds_have() -> None:
     tables = changed_kind(problem_tables(paper_joint()), "base_motion", "harmonics")
     assert tables["base_motion"] == {"kind": "harmonics", "angular_frequency": 515.0}
     assert isinstance(Question("", 1.0, 2.0).with_tables(tables), Question)
+
+
+def test_a_change_of_another_problem_fits_or_is_refused_in_a_message() -> None:
+    """A form or a sketch that was shown before may still send a change of it."""
+    problems = [tables_of(start) for start in starts().values()]
+    refused = 0
+    for before, now in zip(problems, [*problems[1:], problems[0]], strict=True):
+        for part in all_parts(form_of(before)):
+            edits = [partial(removed, path=part.path), partial(typed, path=part.path, text="7")]
+            edits += [partial(added, path=part.path), partial(changed_kind, path=part.path, word="sine")]
+            for edit in edits:
+                try:
+                    form_of(edit(now))
+                except InputError:
+                    refused += 1
+    assert refused
