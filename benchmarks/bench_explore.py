@@ -184,6 +184,7 @@ class Player:
             self.done += 1
         except Error:
             self.visit.page.keyboard.press("Escape")
+            self.visit.page.mouse.click(3, 3)  # beside a menu that stays open
         self.visit.page.wait_for_timeout(self.draw.choice((10, 100, 300, 1500)))
 
     def any(self, found: Locator) -> Locator:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import secrets
 import threading
+import warnings
 import webbrowser
 from typing import Any
 
@@ -74,6 +75,7 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
     """
     for name in QUIET:
         logging.getLogger(name).setLevel(logging.CRITICAL)
+    warnings.filterwarnings("ignore", "reference already known")  # a click on a button that is gone meanwhile
     pn.extension(inline=True)
     token, processes = secrets.token_urlsafe(16), Processes()
 
