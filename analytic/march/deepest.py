@@ -16,12 +16,12 @@ import math
 
 import numpy as np
 
-from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_positions
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_position
 from analytic.march.step_bound import first_root_of_bound
 from analytic.march.tables import Tables
 from analytic.march.terms import turn_exactly
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.arrays import bool_zeros, zeros
+from lapjoint.compiled.arrays import zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -55,12 +55,12 @@ def deepest_of(
     fastest = tables.fastest[slot]
     for omega in tables.omega:
         fastest = max(fastest, omega)
-    least, none, out = _SHORTEST / (fastest + _TINY), bool_zeros(forced.shape[0]), zeros((forced.shape[0], 4))
+    least, out = _SHORTEST / (fastest + _TINY), zeros((forced.shape[0], 4))
     deepest, s, theta, term = so_far, 0.0, theta0, term0
     while True:
-        at_positions(forced, none, tables.omega, s, theta, drift, out)
+        at_position(u, forced, tables.omega, s, theta, drift, out)
         if rigid is not None:
-            add_rigid(rigid, s, out)
+            add_rigid(rigid, u, s, out)
         if tables.owner is not None:
             z, z1, z2, b3 = add_twisted(weight, tables.twist[slot, u], term, root, np.int64(0), terms)
         else:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, SupportsIndex
 
-from analytic.march.tables import BoolArray
 from analytic.modes.beam_functions import ComplexArray
 from lapjoint.compiled.compiling import njit_called, njit_inner
 from lapjoint.problem import FloatArray
@@ -59,16 +58,15 @@ def fading_powers(drag: float, s: float) -> tuple[float, float, float, float, fl
 
 
 @njit_inner()
-def add_rigid(rigid: Rigid, s: float, out: FloatArray) -> None:
-    """Add the rigid-body modes' part beside the polynomial to `out`, ``(U, 4)``, `s` seconds after the start."""
+def add_rigid(rigid: Rigid, u: int, s: float, out: FloatArray) -> None:
+    """Add the rigid-body modes' part beside the polynomial to `out[u]`, of ``(U, 4)``, `s` seconds after the start."""
     for c in range(rigid.drag.size):
         e0, e1, e2, e3, _ = fading_powers(rigid.drag[c], s)
-        for u in range(out.shape[0]):
-            jerk = rigid.jerk[u, c]
-            out[u, 0] += jerk * e3
-            out[u, 1] += jerk * e2
-            out[u, 2] += jerk * e1
-            out[u, 3] += abs(jerk) * e0
+        jerk = rigid.jerk[u, c]
+        out[u, 0] += jerk * e3
+        out[u, 1] += jerk * e2
+        out[u, 2] += jerk * e1
+        out[u, 3] += abs(jerk) * e0
 
 
 @njit_called()
@@ -114,34 +112,30 @@ def add_twisted(
 
 
 @njit_called()
-def at_positions(
+def at_position(
+    u: int,
     forced: ComplexArray,
-    idle: BoolArray,
     omega: FloatArray,
     s: float,
     theta: ComplexArray,
     drift: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Write to `out`, ``(U, 4)``, the part of z and its derivatives that does not depend on the modal terms.
+    """Write to `out[u]`, of ``(U, 4)``, the part of z and its derivatives that does not depend on the modal terms.
 
-    Positions that are `idle`, ``(U,)``, are left out.  `forced`, ``(U, H)``, holds the amplitudes of the forced motion,
-    m; `omega`, ``(H,)``, rad/s, the frequencies; `s` is the time since the start of the state, s, and `theta`,
-    ``(H,)``, exp(i theta_h) now.
+    `forced`, ``(U, H)``, holds the amplitudes of the forced motion, m; `omega`, ``(H,)``, rad/s, the frequencies; `s`
+    is the time since the start of the state, s, and `theta`, ``(H,)``, exp(i theta_h) now.
     """
-    for u in range(out.shape[0]):
-        if idle[u]:
-            continue
-        z, z1, z2 = (
-            drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2]),
-            drift[u, 1] + 2 * s * drift[u, 2],
-            2 * drift[u, 2],
-        )
-        b3 = 0.0
-        for h in range(theta.size):
-            wave, w = forced[u, h] * theta[h], omega[h]
-            z += wave.imag
-            z1 += w * wave.real
-            z2 -= w * w * wave.imag
-            b3 += w * w * w * math.sqrt(wave.real * wave.real + wave.imag * wave.imag)
-        out[u, 0], out[u, 1], out[u, 2], out[u, 3] = z, z1, z2, b3
+    z, z1, z2 = (
+        drift[u, 0] + s * (drift[u, 1] + s * drift[u, 2]),
+        drift[u, 1] + 2 * s * drift[u, 2],
+        2 * drift[u, 2],
+    )
+    b3 = 0.0
+    for h in range(theta.size):
+        wave, w = forced[u, h] * theta[h], omega[h]
+        z += wave.imag
+        z1 += w * wave.real
+        z2 -= w * w * wave.imag
+        b3 += w * w * w * math.sqrt(wave.real * wave.real + wave.imag * wave.imag)
+    out[u, 0], out[u, 1], out[u, 2], out[u, 3] = z, z1, z2, b3

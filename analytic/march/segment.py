@@ -13,10 +13,11 @@ is an upper bound of h(s + tau).  Up to the first root of the cubic no switch is
 switch the steps converge to it cubically, from earlier times; elsewhere the steps are as long as the bound allows.  No
 impact, rebound or graze can be stepped over.
 
-Two shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they cannot
+Three shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they cannot
 move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  And the terms
 are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a switch,
-and the end of the march, take a power series or exponentials.
+and the end of the march, take a power series or exponentials.  And a stop is not looked at where its cubic of an
+earlier step stays below 0 up to the end of the next step.
 
 At a knot of a load the gap functions are continuous, and another closed form begins, see `analytic.march.ramps`: the
 search goes on there as within a state.
@@ -34,7 +35,7 @@ import math
 import numpy as np
 
 from analytic.march.deepest import deepest_of
-from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_positions, fading_powers
+from analytic.march.gap_function import Rigid, add_rigid, add_terms, add_twisted, at_position, fading_powers
 from analytic.march.motion import NO_PROGRESS, NO_SWITCH, PENDING, SLOT, Motion, Work
 from analytic.march.ramp_segment import (
     carried_on_ramps,
@@ -47,7 +48,7 @@ from analytic.march.ramp_segment import (
     up_to_knot,
 )
 from analytic.march.ramps import LOGGED, RampTables
-from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound
+from analytic.march.step_bound import RESOLUTION, SHARP, crosses, first_root_of_bound, stays_below
 from analytic.march.tables import BoolArray, Tables
 from analytic.march.terms import (
     SERIES,
@@ -60,7 +61,7 @@ from analytic.march.terms import (
     turn_exactly,
 )
 from analytic.modes.beam_functions import ComplexArray
-from lapjoint.compiled.arrays import put, zeros
+from lapjoint.compiled.arrays import int_zeros, put, zeros
 from lapjoint.compiled.compiling import njit_inner
 from lapjoint.problem import FloatArray
 
@@ -69,6 +70,10 @@ _CLOSE = 1e-6
 bound on the modes left out, not the motion, would limit the step."""
 _MAX_STEPS = 10_000_000  # most steps in one state, a minute of marching; a motion that goes on takes some hundred
 _FIRST_MODES = 5  # modes summed first, then twice as many, and so on: five hold all but some thousandth of a gap
+_AHEAD = 8.0
+"""How much longer than the nearest stop's step the time is for which another stop is asked whether it can switch: what
+is shown once is not looked at again in the next steps."""
+UNSEEN = -1  # number of modes summed at a position that is not looked at yet
 _LEAST_OF_TERMS = 1e-13
 """Value, relative to the gap plus the sum of all terms' sizes, that a stop which has just switched, and does not leave
 0 at once, must exceed before it switches again: 500 times the rounding of that sum."""
@@ -198,61 +203,63 @@ def search(
     terms, fastest, twisted = tables.terms[slot], tables.fastest[slot], tables.coupled[slot]
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
-    twist, idle = tables.twist[slot], tables.idle[slot]
+    twist = tables.twist[slot]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
+    summed, until = int_zeros(positions), zeros(stops)
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
     first = 0
     while True:
-        # Sum as many modes as it takes to tell that no stop is near its switch, or all of them.
-        at_positions(forced, idle, omega, s, theta, drift, out)
-        if rigid is not None:
-            add_rigid(rigid, s, out)
-        summed, want = np.int64(0), terms if (beginning and looks == 0) or close else min(_FIRST_MODES, terms)
-        while True:
-            far = True
-            for u in range(positions):
-                if idle[u]:
-                    continue
-                if tables.owner is not None and twisted:
-                    z, z1, z2, b3 = add_twisted(weight[u], twist[u], term, root, summed, want)
-                else:
-                    z, z1, z2, b3 = add_terms(weight[u], term, root, summed, want)
-                out[u, 0] += z
-                out[u, 1] += z1
-                out[u, 2] += z2
-                out[u, 3] += b3
-            summed = want
-            if summed == terms:
-                break
-            for k in range(stops):
-                u = tables.position[k]
-                h = (-tables.sign[k] if tables.closed[slot, k] else tables.sign[k]) * out[u, 0]
-                h += tables.gap[k] if tables.closed[slot, k] else -tables.gap[k]
-                if h - shift[k] + 3 * tail[u, summed] > 0:
-                    far = False
-            if far:
-                break
-            want = min(2 * summed, terms)
-        if stops > 0 and looks == 0 and beginning:
-            _first_look(tables, slot, fresh, held, out, tail, theta, shift)
+        for u in range(positions):
+            summed[u] = UNSEEN
+        begins = beginning and looks == 0
         tau, which, there = horizon - s, NO_SWITCH, False
         for i in range(stops):
-            # The stop that was the nearest goes first: for the others a glance is enough.
+            # The stop that was the nearest goes first: others need no look where they do not switch before.
             k = first if i == 0 else (i - 1 if i <= first else i)
-            if shift[k] == math.inf:
+            if begins:
+                shift[k] = math.inf if held[k] else 0.0
+            if shift[k] == math.inf or (i > 0 and until[k] >= s + tau and not begins):
                 continue
+            # Sum as many modes as it takes to tell that the stop is not near its switch, or all of them.
             u, closed = tables.position[k], tables.closed[slot, k]
             orientation = -tables.sign[k] if closed else tables.sign[k]
-            h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
+            gap = tables.gap[k] if closed else -tables.gap[k]
+            if summed[u] == UNSEEN:
+                at_position(u, forced, omega, s, theta, drift, out)
+                if rigid is not None:
+                    add_rigid(rigid, u, s, out)
+                summed[u] = 0
+            want = terms if begins or (close and i == 0) else min(_FIRST_MODES, terms)
+            while True:
+                if want > summed[u]:
+                    if tables.owner is not None and twisted:
+                        z, z1, z2, b3 = add_twisted(weight[u], twist[u], term, root, summed[u], want)
+                    else:
+                        z, z1, z2, b3 = add_terms(weight[u], term, root, summed[u], want)
+                    out[u, 0] += z
+                    out[u, 1] += z1
+                    out[u, 2] += z2
+                    out[u, 3] += b3
+                    summed[u] = want
+                h = orientation * out[u, 0] + gap
+                if summed[u] == terms or h - shift[k] + 3 * tail[u, summed[u]] <= 0:
+                    break
+                want = min(2 * summed[u], terms)
+            if begins:
+                shift[k] = _above(tables, slot, k, fresh[k], out, tail, theta)
             h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
-            value = min(h - shift[k] + tail[u, summed], 0.0)
+            value = min(h - shift[k] + tail[u, summed[u]], 0.0)
+            if stays_below(value, h1, h2, b3, min(_AHEAD * tau, horizon - s)):
+                until[k] = s + min(_AHEAD * tau, horizon - s)
+                continue
             bound = first_root_of_bound(value, h1, h2, b3, tau)
             if tables.owner is not None and rigid is not None and s == 0 and not beginning:
                 # where a load has a knot, the velocities that the modes leave out jump
-                bound = 0.0 if tables.owner[k] >= 0 and summed == terms and h > shift[k] else bound
+                bound = 0.0 if tables.owner[k] >= 0 and summed[u] == terms and h > shift[k] else bound
+            until[k] = s + bound
             if bound < tau:
                 tau, which, rate = bound, k, h1
-                there = summed == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
+                there = summed[u] == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
         if tau <= 0 and which == NO_SWITCH:
             break
         looks += 1
@@ -268,9 +275,9 @@ def search(
             if there:
                 k, u = which, tables.position[which]
                 orientation = -tables.sign[k] if tables.closed[slot, k] else tables.sign[k]
-                at_positions(forced, idle, omega, s, theta, drift, out)
+                at_position(u, forced, omega, s, theta, drift, out)
                 if rigid is not None:
-                    add_rigid(rigid, s, out)
+                    add_rigid(rigid, u, s, out)
                 if tables.owner is not None and twisted:
                     rate = orientation * out[u, 1]
                     rate += orientation * add_twisted(weight[u], twist[u], term, root, np.int64(0), terms)[1]
@@ -319,34 +326,26 @@ def _bound_twisted_tails(tables: Tables, slot: int, term: ComplexArray, tail: Fl
 
 
 @njit_inner()
-def _first_look(
-    tables: Tables,
-    slot: int,
-    fresh: BoolArray,
-    held: BoolArray,
-    out: FloatArray,
-    tail: FloatArray,
-    theta: ComplexArray,
-    shift: FloatArray,
-) -> None:
-    """Write to `shift`, m, ``(P,)``, how far above 0 each gap function starts: states differ by truncation.
+def _above(
+    tables: Tables, slot: int, k: int, fresh: bool, out: FloatArray, tail: FloatArray, theta: ComplexArray
+) -> float:
+    """How far above 0, m, the gap function of stop `k` starts: states differ by truncation.
 
-    `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T + 1)``, is that of `bound_tails`.
+    `fresh` says that the stop has just switched.  `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T +
+    1)``, is that of `bound_tails`.
     """
-    for k in range(shift.size):
-        u, closed = tables.position[k], tables.closed[slot, k]
-        orientation = -tables.sign[k] if closed else tables.sign[k]
-        h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
-        shift[k] = max(h, 0.0)
-        size = tail[u, 0] + abs(tables.gap[k])
-        for i in range(theta.size):
-            size += abs(tables.forced[slot, u, i])
-        threshold = _LEAST_OF_TERMS * size + _TINY
-        leaves = orientation * out[u, 1] < -threshold * tables.fastest[slot]  # by more than the rounding of its rate
-        if fresh[k] and h - shift[k] > -threshold and not leaves:
-            shift[k] += threshold
-        if held[k]:
-            shift[k] = math.inf
+    u, closed = tables.position[k], tables.closed[slot, k]
+    orientation = -tables.sign[k] if closed else tables.sign[k]
+    h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
+    above: float = max(h, 0.0)
+    size = tail[u, 0] + abs(tables.gap[k])
+    for i in range(theta.size):
+        size += abs(tables.forced[slot, u, i])
+    threshold = _LEAST_OF_TERMS * size + _TINY
+    leaves = orientation * out[u, 1] < -threshold * tables.fastest[slot]  # by more than the rounding of its rate
+    if fresh and h - above > -threshold and not leaves:
+        above += threshold
+    return above
 
 
 @njit_inner()

@@ -25,8 +25,7 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
 
     `h`, m, is 0 or less; `h1`, m/s, and `h2`, m/s^2, are the derivatives now; `b3`, m/s^3, is positive; `most` is in s.
     """
-    # A glance first: on [0, most] the cubic stays below its positive parts.
-    if h + most * (max(h1, 0.0) + most * (max(h2, 0.0) / 2 + most * b3 / 6)) < 0:
+    if stays_below(h, h1, h2, b3, most):
         return most
     if h1 > 0:
         rise = _root_of_rise(h, h1, h2, b3)
@@ -67,6 +66,12 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
                 return most
             hi = 2 * hi
     return min(_root_from_below(h, h1, h2, b3, lo, hi), most)
+
+
+@njit_inner()
+def stays_below(h: float, h1: float, h2: float, b3: float, most: float) -> bool:
+    """Whether a glance shows the cubic of `first_root_of_bound` below 0 for `most` seconds: its positive parts are."""
+    return h + most * (max(h1, 0.0) + most * (max(h2, 0.0) / 2 + most * b3 / 6)) < 0
 
 
 @njit_called()

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from analytic.march.gap_function import add_terms, at_positions
+from analytic.march.gap_function import add_terms, at_position
 from analytic.march.step_bound import crosses, first_root_of_bound
 from analytic.march.terms import SERIES, turn_briefly, turn_exactly
 from lapjoint.problem import FloatArray
@@ -120,7 +120,8 @@ def sums() -> Iterator[Criterion]:
     yield equal("terms: displacement, velocity, acceleration", found[:3], exact)
     yield equal("terms: bound on the third derivative", found[3:], np.abs(weight * term * root**3).sum(keepdims=True))
     out = np.empty((PLACES, 4))
-    at_positions(forced, np.zeros(PLACES, dtype=bool), omega, s, theta, drift, out)
+    for place in range(PLACES):
+        at_position(place, forced, omega, s, theta, drift, out)
     moved = drift @ np.array([[1, 0, 0], [s, 1, 0], [s**2, 2 * s, 2]])
     exact = np.stack([(forced * theta * (1j * omega) ** d).imag.sum(axis=1) for d in range(3)], axis=1) + moved
     yield equal("harmonics: displacement, velocity, acceleration", out[:, :3], exact)
