@@ -13,11 +13,11 @@ is an upper bound of h(s + tau).  Up to the first root of the cubic no switch is
 switch the steps converge to it cubically, from earlier times; elsewhere the steps are as long as the bound allows.  No
 impact, rebound or graze can be stepped over.
 
-Three shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they cannot
-move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  And the terms
-are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a switch,
-and the end of the march, take a power series or exponentials.  And a stop is not looked at where its cubic of an
-earlier step stays below 0 up to the end of the next step.
+Three shortcuts make the search fast and keep the bound.  Far from a switch the high modes need not be summed: they
+cannot move h by more than sum |c_t|, and with that sum added to h the cubic of the low modes alone is a bound.  The
+terms are turned from step to step by products with tabulated exp(lambda tau); only the last, shortest steps before a
+switch, and the end of the march, take a power series or exponentials.  And a stop is not looked at where its cubic of
+an earlier step stays below 0 up to the end of the next step.
 
 At a knot of a load the gap functions are continuous, and another closed form begins, see `analytic.march.ramps`: the
 search goes on there as within a state.

@@ -13,10 +13,13 @@ SHARP = 1e-13
 """Accuracy of a switch located by its last step, as a fraction of the unit of time.  `RESOLUTION` is for gap functions
 that nearly graze."""
 _NEAR = 1e-9
-"""Relative distance from a root at which Newton's method ends.  A step stays so far below the root, 1e7 roundings, that
-the sign of the cubic there is certain."""
-_LEAST = 1e-15  # first upper end of an interval that begins at 0, as a fraction of the cubic's own times
-_TINY = 1e-300  # s: keeps that upper end above 0
+"""Relative length of the last step of Newton's method close to a switch, where the cubic rises from the start.  What is
+returned stays twice as far below the root, 1e7 roundings, so that the sign of the cubic there is certain."""
+_FAIR = 0.02
+"""The same elsewhere: after such a step Newton's method is within 4e-4, its square, of the root."""
+_BELOW = 5e-4  # relative distance to the root by which it is then sure that the root is not passed
+_SEVERAL = 4  # steps of Newton's method in which `_NEAR` is reached where the cubic rises steadily
+_MOST = 60  # most steps of Newton's method: it halves the distance to a double root at least
 
 
 @njit_called()
@@ -27,45 +30,31 @@ def first_root_of_bound(h: float, h1: float, h2: float, b3: float, most: float) 
     """
     if stays_below(h, h1, h2, b3, most):
         return most
-    if h1 > 0:
-        rise = _root_of_rise(h, h1, h2, b3)
-        if rise > 0:
-            return min(rise, most)
-    lo, hi = 0.0, -1.0
-    discriminant = h2 * h2 - 2 * b3 * h1
-    if discriminant > 0:
-        split = math.sqrt(discriminant)
-        # the smaller and the larger root of the derivative, without cancellation
-        if h2 > 0:
-            r1 = (-h2 - split) / b3
-            r2 = -2 * h1 / (h2 + split)
+    c2, c3 = h2 / 2, b3 / 6
+    # From `origin` on, `depth` below 0, the cubic rises and bends upwards: -depth + slope y + bend y^2 + c3 y^3.
+    origin, depth, slope, bend = 0.0, -h, h1, c2
+    if h1 < 0 or h2 < 0:
+        square = h2 * h2 - 2 * b3 * h1
+        split = math.sqrt(max(square, 0.0))
+        if h1 > 0:
+            # It rises first, to a maximum or to where it bends upwards.
+            top = 2 * h1 / (split - h2) if square > 0 else -h2 / b3
+            if _cubic(h, h1, c2, c3, top) >= 0:
+                return min(_root_before_the_top(h, h1, c2, c3), most)
+        if square > 0:
+            # the minimum, without cancellation
+            origin = (split - h2) / b3 if h2 < 0 else -2 * h1 / (h2 + split)
+            slope, bend = 0.0, split / 2
         else:
-            r2 = (-h2 + split) / b3
-            r1 = 2 * h1 / (-h2 + split)
-        if r1 > 0 and h + r1 * (h1 + r1 * (h2 / 2 + r1 * b3 / 6)) >= 0:
-            hi = r1
-        elif r2 > 0:
-            lo = r2
-    # From `lo` to the root the cubic rises.  No third of |h| is made up for before this:
-    third = -h / 3
-    safe = most
-    if h1 * safe > third:
-        safe = third / h1
-    if h2 * safe * safe > 2 * third:
-        safe = math.sqrt(2 * third / h2)
-    if b3 * safe * safe * safe > 6 * third:
-        safe = (6 * third / b3) ** (1 / 3)
-    lo = max(lo, 0.999 * safe)
-    if lo >= most:
+            origin = max(-h2 / b3, 0.0)
+            slope, bend = max(h1 + origin * h2 / 2, 0.0), max(c2, 0.0)
+        depth = -_cubic(h, h1, c2, c3, origin)
+    if origin >= most or _cubic(h, h1, c2, c3, most) < 0:
         return most
-    if hi < 0:
-        hi = 2 * lo if lo > 0 else _LEAST * (abs(h2) / b3 + math.sqrt(abs(h1) / b3)) + _TINY
-        while h + hi * (h1 + hi * (h2 / 2 + hi * b3 / 6)) < 0:
-            lo = hi
-            if lo >= most:
-                return most
-            hi = 2 * hi
-    return min(_root_from_below(h, h1, h2, b3, lo, hi), most)
+    y = _root_of_rise(depth, slope, bend, c3, most - origin, h1 > 0)
+    while y > 0 and _cubic(h, h1, c2, c3, origin + y) >= 0:  # where depth is of rounding size
+        y = y / 2 if origin + y > origin else 0.0
+    return min(origin + y, most)
 
 
 @njit_inner()
@@ -81,45 +70,56 @@ def crosses(h: float, h1: float, h2: float, b3: float, tau: float, sharp: float)
     return h + x * (h1 + x * (h2 / 2 - x * b3 / 6)) > 0
 
 
-@njit_inner()
-def _root_of_rise(h: float, h1: float, h2: float, b3: float) -> float:
-    """A time just below the root of a cubic that rises up to there, or 0 if the rise is not shown at once.
+@njit_inner(inline="always")
+def _cubic(h: float, h1: float, c2: float, c3: float, x: float) -> float:
+    """h + h1 x + c2 x^2 + c3 x^3."""
+    return h + x * (h1 + x * (c2 + x * c3))
 
-    `h1` is positive.  Close to a switch the cubic rises, and the root of the parabola is close to that of the cubic.
+
+@njit_inner()
+def _root_before_the_top(h: float, h1: float, c2: float, c3: float) -> float:
+    """A time just below the root of a cubic that rises to it, and bends downwards up to there.
+
+    Newton's method comes from below, because each tangent is above the cubic.
     """
-    square = h1 * h1 - 2 * h2 * h
-    if square <= 0:
-        return 0.0
-    x = -2 * h / (h1 + math.sqrt(square))
-    for _ in range(3):
-        slope = h1 + x * (h2 + x * b3 / 2)
+    x = 0.0
+    for n in range(_MOST):
+        slope = h1 + x * (2 * c2 + x * 3 * c3)
         if slope <= 0:
-            return 0.0
-        change = (h + x * (h1 + x * (h2 / 2 + x * b3 / 6))) / slope
-        x -= change
-        if abs(change) < _NEAR * x:
             break
-    x *= 1 - 2 * _NEAR
-    rises = x > 0 and h1 + x * min(h2, 0.0) > 0
-    return x if rises and h + x * (h1 + x * (h2 / 2 + x * b3 / 6)) < 0 else 0.0
+        change = -_cubic(h, h1, c2, c3, x) / slope
+        x += change
+        if change <= _NEAR * x or (n >= _SEVERAL and change <= _BELOW * x):
+            break
+    return x * (1 - 2 * _NEAR)
 
 
 @njit_inner()
-def _root_from_below(h: float, h1: float, h2: float, b3: float, lo: float, hi: float) -> float:
-    """A time below the root of a cubic that rises from `lo` to `hi`, by at most a thousandth."""
-    x = 0.5 * (lo + hi)
-    for _ in range(60):
-        value = h + x * (h1 + x * (h2 / 2 + x * b3 / 6))
-        if value < 0:
-            lo = x
-        else:
-            hi = x
-        if hi - lo <= 1e-3 * hi:
+def _root_of_rise(depth: float, slope: float, bend: float, c3: float, most: float, near: bool) -> float:
+    """A time just below the root of -depth + slope y + bend y^2 + c3 y^3, which is at most `most`.
+
+    No coefficient is negative.  Newton's method comes from above, because each tangent is below the cubic.  `near` says
+    that the root may be that of the last step before a switch, and is found to `_NEAR` if a few steps do.
+    """
+    if depth <= 0:
+        return 0.0
+    # The cubic is above its parabola: the parabola's root is later.
+    y, sum_of = most, slope + math.sqrt(slope * slope + 4 * bend * depth)
+    if 2 * depth < sum_of * y:
+        y = 2 * depth / sum_of
+    if c3 * y * y > slope + bend * y:
+        # With (bend + c3 y) y^2 for the last two terms, a late y gives an early one, and that one a better late one.
+        sum_of = slope + math.sqrt(slope * slope + 4 * (bend + c3 * y) * depth)
+        early = 2 * depth / sum_of if sum_of > 0 else 0.0  # where the product is too small for a number
+        sum_of = slope + math.sqrt(slope * slope + 4 * (bend + c3 * early) * depth)
+        y = 2 * depth / sum_of if 2 * depth < sum_of * y else y
+    change = y
+    for n in range(_MOST):
+        rate = slope + y * (2 * bend + 3 * c3 * y)
+        if rate <= 0:
             break
-        slope = h1 + x * (h2 + x * b3 / 2)
-        # Newton's step, or just below it, so that `lo` comes close to the root in the next one.
-        newton = (x - value / slope) * (1 - 4e-4) if slope > 0 else lo
-        x = newton if lo < newton < hi else 0.5 * (lo + hi)
-        if value < 0 and 0 < newton - lo < 3e-4 * lo:
+        change = (y * (slope + y * (bend + y * c3)) - depth) / rate
+        y -= change
+        if change <= _NEAR * y or (change <= _FAIR * y and (n >= _SEVERAL or not near)):
             break
-    return lo
+    return y * (1 - (2 * _NEAR if change <= _NEAR * y else _BELOW))
