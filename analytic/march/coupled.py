@@ -400,6 +400,7 @@ def write_coupled(tables: Tables, slot: int, problem: Problem, state: ContactSta
     tables.fastest[slot] = np.abs(by.root).max()
     tables.kind[slot, :n], tables.mode_of[slot, :terms], tables.root[slot, :terms] = by.kind, by.mode_of, by.root
     tables.inverse[slot, :terms], tables.turn[slot, :, :terms] = by.inverse, by.turn
+    tables.cube[slot, :terms] = np.abs(by.root) ** 3
     tables.gradient[slot, :, :, :n] = by.reads
     tables.weight[slot, :, :terms], tables.twist[slot, :, :terms] = by.weight.real, by.weight.imag
     tables.static[slot, :n] = static_answer(it.push[0, 0], np.sqrt(it.stiffness), it.damping / 2)

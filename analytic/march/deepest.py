@@ -52,7 +52,7 @@ def deepest_of(
     """
     u, sign, terms = tables.position[k], tables.sign[k], tables.terms[slot]
     root, weight, forced = tables.root[slot], tables.weight[slot, u], tables.forced[slot]
-    fastest = tables.fastest[slot]
+    cube, fastest = tables.cube[slot], tables.fastest[slot]
     for omega in tables.omega:
         fastest = max(fastest, omega)
     least, out = _SHORTEST / (fastest + _TINY), zeros((forced.shape[0], 4))
@@ -62,9 +62,9 @@ def deepest_of(
         if rigid is not None:
             add_rigid(rigid, u, s, out)
         if tables.owner is not None:
-            z, z1, z2, b3 = add_twisted(weight, tables.twist[slot, u], term, root, np.int64(0), terms)
+            z, z1, z2, b3, _ = add_twisted(weight, tables.twist[slot, u], term, root, cube, np.int64(0), terms)
         else:
-            z, z1, z2, b3 = add_terms(weight, term, root, np.int64(0), terms)
+            z, z1, z2, b3, _ = add_terms(weight, term, root, cube, np.int64(0), terms)
         d, d1, d2 = sign * (out[u, 0] + z) - tables.gap[k], sign * (out[u, 1] + z1), sign * (out[u, 2] + z2)
         b3 += out[u, 3] + _TINY
         deepest = max(deepest, float(d))

@@ -71,14 +71,14 @@ def add_rigid(rigid: Rigid, u: int, s: float, out: FloatArray) -> None:
 
 @njit_called()
 def add_terms(
-    weight: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
-) -> tuple[float, float, float, float]:
-    """z, m, z', m/s, z'', m/s^2, and the bound on |z'''|, m/s^3, of the terms from `lo` to before `hi` at one position.
+    weight: FloatArray, term: ComplexArray, root: ComplexArray, cube: FloatArray, lo: SupportsIndex, hi: int
+) -> tuple[float, float, float, float, float]:
+    """z, m, z', m/s, z'', m/s^2, the bound on |z'''|, m/s^3, and that on |z|, m, of the terms from `lo` to before `hi`.
 
-    `weight`, ``(T,)``, is the mode of each term there, kg^-1/2, and `root` its lambda, 1/s.  `lo` is a variable because
-    numba would compile another function for a constant in the call.
+    `weight`, ``(T,)``, is the mode of each term at one position, kg^-1/2, `root` its lambda, 1/s, and `cube` the cube
+    of its modulus.  `lo` is a variable because numba would compile another function for a constant in the call.
     """
-    z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
+    z, z1, z2, b3, size = 0.0, 0.0, 0.0, 0.0, 0.0
     for t in range(lo, hi):
         w, x, y = weight[t], term[t].real, term[t].imag
         a, b = root[t].real, root[t].imag
@@ -86,17 +86,24 @@ def add_terms(
         z += w * x
         z1 += w * x1
         z2 += w * (a * x1 - b * y1)
-        square = a * a + b * b
-        b3 += abs(w) * square * math.sqrt(square * (x * x + y * y))
-    return z, z1, z2, b3
+        most = abs(w) * math.sqrt(x * x + y * y)
+        size += most
+        b3 += cube[t] * most
+    return z, z1, z2, b3, size
 
 
 @njit_called()
 def add_twisted(
-    weight: FloatArray, twist: FloatArray, term: ComplexArray, root: ComplexArray, lo: SupportsIndex, hi: int
-) -> tuple[float, float, float, float]:
+    weight: FloatArray,
+    twist: FloatArray,
+    term: ComplexArray,
+    root: ComplexArray,
+    cube: FloatArray,
+    lo: SupportsIndex,
+    hi: int,
+) -> tuple[float, float, float, float, float]:
     """`add_terms` of terms whose weights are complex, with the imaginary parts `twist`, kg^-1/2, ``(T,)``."""
-    z, z1, z2, b3 = 0.0, 0.0, 0.0, 0.0
+    z, z1, z2, b3, size = 0.0, 0.0, 0.0, 0.0, 0.0
     for t in range(lo, hi):
         a, b = root[t].real, root[t].imag
         # of i times a term the real part is minus the imaginary part
@@ -106,9 +113,10 @@ def add_twisted(
         z += x
         z1 += x1
         z2 += a * x1 - b * y1
-        square = a * a + b * b
-        b3 += square * math.sqrt(square * (x * x + y * y))
-    return z, z1, z2, b3
+        most = math.sqrt(x * x + y * y)
+        size += most
+        b3 += cube[t] * most
+    return z, z1, z2, b3, size
 
 
 @njit_called()

@@ -106,7 +106,7 @@ def follow(
     slot, start, q, v = motion.counts[SLOT], motion.time[0], motion.q, motion.v
     theta, term, poly, area, deepest = work.theta, work.term, work.poly, work.area, work.deepest
     positions, terms, stops = tables.forced.shape[1], tables.terms[slot], area.size
-    drift, tail = zeros((positions, 3)), zeros((positions, terms + 1))
+    drift, part = zeros((positions, 3)), zeros((positions, parts_of(terms)))
     theta0, term0 = theta.copy(), term[:terms].copy()
     for k in range(stops):
         area[k] = deepest[k] = 0.0
@@ -125,15 +125,13 @@ def follow(
         if ramps is not None:
             until, width, whole = up_to_knot(ramps, j, base, end)
             polynomial_on_ramps(tables, ramps, slot, j, base, body, drift, jerk)
-        if tables.owner is not None and tables.coupled[slot]:
-            _bound_twisted_tails(tables, slot, term, tail)
-        else:
-            bound_tails(tables.weight[slot], term, terms, tail)
+        if not beginning:
+            bound_parts(tables, slot, term, part)
         put(theta0, theta)
         for k in range(terms):
             term0[k] = term[k]
         s, which, rate = search(
-            tables, slot, width, drift, rigid, tail, work.fresh, work.held, beginning, shift, theta, term, whole
+            tables, slot, width, drift, rigid, part, work.fresh, work.held, beginning, shift, theta, term, whole
         )
         if which == NO_PROGRESS:
             motion.time[0], motion.counts[PENDING] = base + s, which
@@ -180,7 +178,7 @@ def search(
     horizon: float,
     drift: FloatArray,
     rigid: Rigid | None,
-    tail: FloatArray,
+    part: FloatArray,
     fresh: BoolArray,
     held: BoolArray,
     beginning: bool,
@@ -192,7 +190,8 @@ def search(
     """Look for the first switch along one closed form, for `horizon` seconds: its time, s, the stop, and its h', m/s.
 
     `drift`, ``(U, 3)``, holds the coefficients of 1, s, s^2 of z, m over powers of s; `rigid` is what rigid-body modes
-    add under forces that are linear in time; `tail`, m, ``(U, T + 1)``, bounds the sum of the terms from each on.
+    add under forces that are linear in time; `part`, m, ``(U, parts_of(T))``, bounds the sum of each part of the terms.
+    Where a state begins it need not be known: each sum writes it anew, because the terms fade.
     `beginning` says that the state begins here, and does not go on from another closed form: only then `fresh` and
     `held` count.  `shift`, m, ``(P,)``, is how far above 0 each gap function starts, infinite for a stop that may not
     switch; it is written at the beginning of a state, and read where the state goes on.  `theta`, ``(H,)``, and `term`,
@@ -203,7 +202,7 @@ def search(
     terms, fastest, twisted = tables.terms[slot], tables.fastest[slot], tables.coupled[slot]
     omega, step, harmonic_turn = tables.omega, tables.step, tables.harmonic_turn
     root, weight, turn, forced = tables.root[slot], tables.weight[slot], tables.turn[slot], tables.forced[slot]
-    twist = tables.twist[slot]
+    twist, cube, parts = tables.twist[slot], tables.cube[slot], part.shape[1]
     out, resolution, sharp = zeros((positions, 4)), RESOLUTION * tables.unit, SHARP * tables.unit
     summed, until = int_zeros(positions), zeros(stops)
     s, which, rate, looks, close = 0.0, NO_SWITCH, 0.0, 0, False
@@ -229,37 +228,41 @@ def search(
                 if rigid is not None:
                     add_rigid(rigid, u, s, out)
                 summed[u] = 0
-            want = terms if begins or (close and i == 0) else min(_FIRST_MODES, terms)
+            h, left = 0.0, 0.0
             while True:
-                if want > summed[u]:
-                    if tables.owner is not None and twisted:
-                        z, z1, z2, b3 = add_twisted(weight[u], twist[u], term, root, summed[u], want)
-                    else:
-                        z, z1, z2, b3 = add_terms(weight[u], term, root, summed[u], want)
-                    out[u, 0] += z
-                    out[u, 1] += z1
-                    out[u, 2] += z2
-                    out[u, 3] += b3
-                    summed[u] = want
-                h = orientation * out[u, 0] + gap
-                if summed[u] == terms or h - shift[k] + 3 * tail[u, summed[u]] <= 0:
-                    break
-                want = min(2 * summed[u], terms)
+                if summed[u] > 0:
+                    h, left = orientation * out[u, 0] + gap, 0.0
+                    for n in range(summed[u], parts):
+                        left += part[u, n]
+                    every = begins or (close and i == 0)
+                    if summed[u] == parts or (h - shift[k] + 3 * left <= 0 and not every):
+                        break
+                lo, hi = part_of(summed[u], terms)
+                if tables.owner is not None and twisted:
+                    z, z1, z2, b3, size = add_twisted(weight[u], twist[u], term, root, cube, lo, hi)
+                else:
+                    z, z1, z2, b3, size = add_terms(weight[u], term, root, cube, lo, hi)
+                out[u, 0] += z
+                out[u, 1] += z1
+                out[u, 2] += z2
+                out[u, 3] += b3
+                part[u, summed[u]] = size
+                summed[u] += 1
             if begins:
-                shift[k] = _above(tables, slot, k, fresh[k], out, tail, theta)
+                shift[k] = _above(tables, slot, k, fresh[k], out, part, theta)
             h1, h2, b3 = orientation * out[u, 1], orientation * out[u, 2], out[u, 3] + _TINY
-            value = min(h - shift[k] + tail[u, summed[u]], 0.0)
+            value = min(h - shift[k] + left, 0.0)
             if stays_below(value, h1, h2, b3, min(_AHEAD * tau, horizon - s)):
                 until[k] = s + min(_AHEAD * tau, horizon - s)
                 continue
             bound = first_root_of_bound(value, h1, h2, b3, tau)
             if tables.owner is not None and rigid is not None and s == 0 and not beginning:
                 # where a load has a knot, the velocities that the modes leave out jump
-                bound = 0.0 if tables.owner[k] >= 0 and summed[u] == terms and h > shift[k] else bound
+                bound = 0.0 if tables.owner[k] >= 0 and summed[u] == parts and h > shift[k] else bound
             until[k] = s + bound
             if bound < tau:
                 tau, which, rate = bound, k, h1
-                there = summed[u] == terms and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
+                there = summed[u] == parts and (tau < resolution or crosses(value, h1, h2, b3, tau, sharp))
         if tau <= 0 and which == NO_SWITCH:
             break
         looks += 1
@@ -280,9 +283,9 @@ def search(
                     add_rigid(rigid, u, s, out)
                 if tables.owner is not None and twisted:
                     rate = orientation * out[u, 1]
-                    rate += orientation * add_twisted(weight[u], twist[u], term, root, np.int64(0), terms)[1]
+                    rate += orientation * add_twisted(weight[u], twist[u], term, root, cube, np.int64(0), terms)[1]
                 else:
-                    rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, np.int64(0), terms)[1])
+                    rate = orientation * (out[u, 1] + add_terms(weight[u], term, root, cube, np.int64(0), terms)[1])
                 break
         else:
             j = tabulated(tau, step)
@@ -301,44 +304,54 @@ def counts(tables: Tables, slot: int, k: int) -> bool:
     return tables.owner is None or tables.owner[k] >= 0 or not tables.asleep[slot, k]
 
 
-@njit_inner()
-def bound_tails(weight: FloatArray, term: ComplexArray, terms: int, tail: FloatArray) -> None:
-    """Write to `tail`, m, ``(U, T + 1)``, a bound on the sum of the terms from each on, at each position.
-
-    `weight`, kg^-1/2, ``(U, T)``, is the mode of each of the first `terms` terms there.  The last column is 0 already.
-    """
-    for t in range(terms - 1, -1, -1):
-        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
-        for u in range(tail.shape[0]):
-            tail[u, t] = tail[u, t + 1] + abs(weight[u, t]) * size
+@njit_inner(inline="always")
+def part_of(n: int, terms: int) -> tuple[int, int]:
+    """The first term of part `n` of all terms, and the first beyond it: the first parts are `_FIRST_MODES` long, each
+    further one is as long as all before."""
+    return (_FIRST_MODES << n) >> 1 if n > 0 else 0, min(_FIRST_MODES << n, terms)
 
 
 @njit_inner()
-def _bound_twisted_tails(tables: Tables, slot: int, term: ComplexArray, tail: FloatArray) -> None:
-    """`bound_tails` of the terms of a coupled state."""
-    for t in range(tables.terms[slot] - 1, -1, -1):
-        size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
-        for u in range(tail.shape[0]):
-            if tables.idle[slot, u]:
-                continue
-            weight, twist = tables.weight[slot, u, t], tables.twist[slot, u, t]
-            tail[u, t] = tail[u, t + 1] + math.sqrt(weight * weight + twist * twist) * size
+def parts_of(terms: int) -> int:
+    """Number of parts of the terms; see `part_of`."""
+    parts = 1
+    while (_FIRST_MODES << (parts - 1)) < terms:
+        parts += 1
+    return parts
+
+
+@njit_inner()
+def bound_parts(tables: Tables, slot: int, term: ComplexArray, part: FloatArray) -> None:
+    """Write to `part`, m, ``(U, parts_of(T))``, a bound on the sum of each part of the terms at each position."""
+    for n in range(part.shape[1]):
+        lo, hi = part_of(n, tables.terms[slot])
+        for u in range(part.shape[0]):
+            part[u, n] = 0.0
+        for t in range(lo, hi):
+            size = math.sqrt(term[t].real ** 2 + term[t].imag ** 2)
+            for u in range(part.shape[0]):
+                weight = abs(tables.weight[slot, u, t])
+                if tables.owner is not None and tables.coupled[slot]:
+                    weight = math.sqrt(weight * weight + tables.twist[slot, u, t] ** 2)
+                part[u, n] += weight * size
 
 
 @njit_inner()
 def _above(
-    tables: Tables, slot: int, k: int, fresh: bool, out: FloatArray, tail: FloatArray, theta: ComplexArray
+    tables: Tables, slot: int, k: int, fresh: bool, out: FloatArray, part: FloatArray, theta: ComplexArray
 ) -> float:
     """How far above 0, m, the gap function of stop `k` starts: states differ by truncation.
 
-    `fresh` says that the stop has just switched.  `out`, ``(U, 4)``, has z and its derivatives; `tail`, m, ``(U, T +
-    1)``, is that of `bound_tails`.
+    `fresh` says that the stop has just switched.  `out`, ``(U, 4)``, has z and its derivatives; `part`, m, is as in
+    `search`.
     """
     u, closed = tables.position[k], tables.closed[slot, k]
     orientation = -tables.sign[k] if closed else tables.sign[k]
     h = orientation * out[u, 0] + (tables.gap[k] if closed else -tables.gap[k])
     above: float = max(h, 0.0)
-    size = tail[u, 0] + abs(tables.gap[k])
+    size = abs(tables.gap[k])
+    for n in range(part.shape[1]):
+        size += part[u, n]
     for i in range(theta.size):
         size += abs(tables.forced[slot, u, i])
     threshold = _LEAST_OF_TERMS * size + _TINY

@@ -59,6 +59,8 @@ class FlatState(NamedTuple):
     """lambda of each term, 1/s, shape ``(T,)``."""
     inverse: ComplexArray
     """1 / lambda, s, or 0 where lambda is 0, shape ``(T,)``."""
+    cube: FloatArray
+    """|lambda|^3, 1/s^3, shape ``(T,)``."""
     fastest: float
     """Largest modulus of the lambdas, 1/s."""
     turn: ComplexArray
@@ -98,6 +100,8 @@ class Tables(NamedTuple):
     """lambda of each term, 1/s, shape ``(S, T)``."""
     inverse: ComplexArray
     """1 / lambda, s, or 0 where lambda is 0, shape ``(S, T)``."""
+    cube: FloatArray
+    """|lambda|^3, 1/s^3, shape ``(S, T)``."""
     fastest: FloatArray
     """Largest modulus of the lambdas, 1/s, shape ``(S,)``."""
     turn: ComplexArray
@@ -222,6 +226,7 @@ def flat_state(loaded: LoadedStructure, state: ContactState, count: int) -> Flat
         mode_of=mode_of,
         root=root,
         inverse=np.divide(1.0, root, out=np.zeros(root.size, dtype=complex), where=root != 0),
+        cube=np.abs(root) ** 3,
         fastest=float(np.abs(root).max(initial=0.0)),
         turn=np.exp(np.outer(tabulated_steps(problem), root)),
         static=static_answer(modal.force[0], omega, damping_rate),
@@ -288,6 +293,7 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         mode_of=np.zeros((S, T), dtype=np.int64),
         root=np.zeros((S, T), dtype=complex),
         inverse=np.zeros((S, T), dtype=complex),
+        cube=np.zeros((S, T)),
         fastest=np.zeros(S),
         turn=np.zeros((S, steps.size, T), dtype=complex),
         static=np.zeros((S, N, 3)),
@@ -329,7 +335,7 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.kind[slot, :n] = flat.kind
     tables.mode_of[slot, :terms] = flat.mode_of
     tables.root[slot, :terms] = flat.root
-    tables.inverse[slot, :terms] = flat.inverse
+    tables.inverse[slot, :terms], tables.cube[slot, :terms] = flat.inverse, flat.cube
     tables.turn[slot, :, :terms] = flat.turn
     tables.static[slot, :n] = flat.static
     tables.force[slot, :, :n] = flat.force

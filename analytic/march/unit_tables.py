@@ -227,7 +227,7 @@ def _scale(
 def _move(tables: Tables, slot: int, i: int, omega: FloatArray, damping_rate: FloatArray) -> None:
     """Give an undamped mode the frequency that `away_from_resonance` has found, `omega`, rad/s, shape ``(1,)``."""
     root = roots_of(omega, damping_rate)[0, 0]
-    tables.root[slot, i], tables.inverse[slot, i] = root, 1 / root
+    tables.root[slot, i], tables.inverse[slot, i], tables.cube[slot, i] = root, 1 / root, abs(root) ** 3
     tables.turn[slot, :, i] = np.exp(tables.step * root)
     tables.static[slot, i, 0] = tables.force[slot, 0, i] / omega[0] ** 2
 

@@ -115,10 +115,11 @@ def sums() -> Iterator[Criterion]:
     root = -rng.uniform(0, 5, TERMS) + 1j * rng.uniform(0, 9, TERMS)
     term, forced = complex_normal(rng, TERMS), complex_normal(rng, (PLACES, HARMONICS))
     theta, drift = np.exp(1j * rng.uniform(0, 6, HARMONICS)), rng.standard_normal((PLACES, 3))
-    found = np.array(add_terms(weight, term, root, 0, TERMS))
+    found = np.array(add_terms(weight, term, root, np.abs(root) ** 3, 0, TERMS))
     exact = np.array([float((weight * term * root**d).real.sum()) for d in range(3)])
     yield equal("terms: displacement, velocity, acceleration", found[:3], exact)
-    yield equal("terms: bound on the third derivative", found[3:], np.abs(weight * term * root**3).sum(keepdims=True))
+    yield equal("terms: bound on the third derivative", found[3:4], np.abs(weight * term * root**3).sum(keepdims=True))
+    yield equal("terms: bound on the displacement", found[4:], np.abs(weight * term).sum(keepdims=True))
     out = np.empty((PLACES, 4))
     for place in range(PLACES):
         at_position(place, forced, omega, s, theta, drift, out)
