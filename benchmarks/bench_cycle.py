@@ -81,15 +81,28 @@ def bench_certified_cycle_with_damped_stops(benchmark: Any, solver: str, damping
 
 
 @pytest.mark.parametrize("joint", ["one beam", "two plates"])
-@pytest.mark.benchmark(group=f"{CYCLES} cycles, 20 modes: the paper's joint, and two plates at 300 rad/s")
-def bench_march_of_two_plates(benchmark: Any, joint: str) -> None:
-    """The march alone; `extra_info` has the switches of a cycle, of which the plates make more."""
-    it = Joint(paper_joint(angular_frequency=515.0) if joint == "one beam" else lap_joint(), 20, 20)
+@pytest.mark.parametrize("modes", [20, 46])
+def bench_march_of_two_plates(benchmark: Any, modes: int, joint: str) -> None:
+    """The march alone; `extra_info` has the switches of a cycle, of which the plates make more.  The default number of
+    modes of the plates is 46."""
+    benchmark.group = f"{CYCLES} cycles, {modes} modes: the paper's joint, and two plates at 300 rad/s"
+    it = Joint(paper_joint(angular_frequency=515.0) if joint == "one beam" else lap_joint(), modes, modes)
     assert it.period is not None
     end = CYCLES * it.period
-    begin = march(it, Coordinates(FREE, np.zeros(20), np.zeros(20)), 0.0, end, record=False).end
+    begin = march(it, Coordinates(FREE, np.zeros(modes), np.zeros(modes)), 0.0, end, record=False).end
     benchmark.extra_info["switches of a cycle"] = int((march(it, begin, 0.0, end).log.stop >= 0).sum()) / CYCLES
     benchmark(march, it, begin, 0.0, end, record=False)
+
+
+@pytest.mark.parametrize("joint", ["one beam", "two plates"])
+@pytest.mark.parametrize("modes", [20, 46])
+def bench_certified_cycle_of_two_plates(benchmark: Any, modes: int, joint: str) -> None:
+    """A certified steady state, with its errors."""
+    benchmark.group = f"certified cycle, {modes} modes: the paper's joint, and two plates at 300 rad/s"
+    problem = paper_joint(angular_frequency=515.0) if joint == "one beam" else lap_joint()
+    solver = analytic.Solver(n_modes=modes)
+    solver.steady_state(problem)
+    benchmark.pedantic(solver.steady_state, (problem,), rounds=15)
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
