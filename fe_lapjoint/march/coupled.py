@@ -171,20 +171,21 @@ class Coupled(System):
         z, rate = (self.places @ coordinates(t, d) + self._seen_at_places(t, d) for d in (dt, dt + 1))
         return np.asarray((z + self.delay[:, None] * rate)[self.place_of])
 
-    @cached_property
-    def _real_parts(self) -> tuple[FloatArray, FloatArray]:
-        """Amplitudes of the free terms for units of (q, q'), ``(2 T, 2 n)``, and (q, q') for units of the amplitudes,
-        ``(2 n, 2 T)``, real parts before imaginary ones: half the work of products of complex matrices."""
-        back, motion = self.free.back, self.motion[:, : self.free.rates.size]
-        return np.concatenate([back.real, back.imag]), np.concatenate([motion.real, -motion.imag], axis=1)
-
-    def flown(self, s: float, deviations: FloatArray) -> FloatArray:
-        """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later."""
-        n, waves = self.omega.size, np.exp(self.free.rates * s)
-        back, motion = self._real_parts
-        real, imaginary = np.split(back @ deviations, 2)
+    def flown_amplitudes(self, s: float, deviations: FloatArray, count: int) -> FloatArray:
+        """Amplitudes `s` seconds later of the first `count` free terms of deviations ``(2 n, m)``: of each term the
+        real part and minus the imaginary part, in turn, shape ``(2 count, m)``."""
+        waves = np.exp(self.free.rates[:count] * s)
+        start = (self.free.real_back[: 2 * count] @ deviations).reshape(count, 2, -1)
         re, im = waves.real[:, None], waves.imag[:, None]
-        result = motion @ np.concatenate([re * real - im * imaginary, re * imaginary + im * real])
+        flown = np.empty_like(start)
+        flown[:, 0] = re * start[:, 0] - im * start[:, 1]
+        flown[:, 1] = -re * start[:, 1] - im * start[:, 0]
+        return flown.reshape(2 * count, -1)
+
+    def flown(self, s: float, deviations: FloatArray, count: int | None = None) -> FloatArray:
+        """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later, of the first `count` free terms, or of all."""
+        n, count = self.omega.size, self.free.rates.size if count is None else count
+        result = self.free.real_motion[:, : 2 * count] @ self.flown_amplitudes(s, deviations, count)
         if self.free.rest is not None:
             place, speed = self.free.rest @ deviations
             result[:n] += place + speed * s

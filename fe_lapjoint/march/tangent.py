@@ -88,15 +88,10 @@ class Carried:
         there = _Deviations(self.deviations, np.hypot(slow * q, v))
         steps, expected = [there], q.size
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
-            system = self.model.system(piece.state)
-            modes = np.flatnonzero(system.slowest_decay * (piece.end - since) < DEAD)
-            alive, count = np.concatenate([modes, modes + system.omega.size]), int(modes[-1]) + 1 if modes.size else 0
-            there = replace(there, columns=_flow(system, piece.end - piece.start, there.columns, count))
-            left = 2 * np.count_nonzero(system.slowest_decay * (piece.end - start) < DEAD)
-            few = there.columns.shape[1]
-            if 0 < alive.size <= _ALIVE * few:
-                there = there.of_alive(alive)
-            elif few and left <= _FEW * min(few, expected) and there.rest is not None:
+            system, few = self.model.system(piece.state), there.columns.shape[1]
+            there, count = there.flown(system, piece.end - piece.start, piece.end - since)
+            left = _outlasting(system, piece.end - start)
+            if 0 < there.columns.shape[1] == few and left <= _FEW * min(few, expected) and there.rest is not None:
                 there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y
@@ -115,6 +110,24 @@ class _Deviations:
     """Size of the motion that each column came from, shape ``(r,)``."""
     rest: FloatArray | None = None
     """The combinations as columns, shape ``(r, m)``; None where each is a column."""
+
+    def flown(self, system: System, s: float, since: float) -> tuple[_Deviations, int]:
+        """The deviations after `s` seconds in one state, which is `since` seconds old by then, as combinations of what
+        is alive if that is less than they are; and the number of the lowest modes beyond which all are zero."""
+        few = self.columns.shape[1]
+        if isinstance(system, Coupled):
+            count = system.free.outlasting(since, DEAD)
+            if system.free.rest is not None or not 0 < 2 * count <= _ALIVE * few:
+                return replace(self, columns=system.flown(s, self.columns, count)), system.omega.size
+            own = system.flown_amplitudes(s, self.columns, count)
+            made = own if self.rest is None else own @ self.rest
+            return _Deviations(system.free.real_motion[:, : 2 * count], np.ones(2 * count), made), system.omega.size
+        modes = np.flatnonzero(system.slowest_decay * since < DEAD)
+        count = int(modes[-1]) + 1 if modes.size else 0
+        flown = replace(self, columns=_flow(system, s, self.columns, count))
+        if 0 < 2 * modes.size <= _ALIVE * few:
+            flown = flown.of_alive(np.concatenate([modes, modes + system.omega.size]))
+        return flown, count
 
     def of_alive(self, alive: IndexArray) -> _Deviations:
         """The deviations as combinations of the unit vectors of the coordinates that are not zero."""
@@ -216,10 +229,15 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
     )
 
 
+def _outlasting(system: System, s: float) -> int:
+    """How many independent deviations from a motion in one state are alive after `s` seconds, or are about to be."""
+    if isinstance(system, Coupled):
+        return 2 * (system.free.outlasting(s, DEAD) + int(np.count_nonzero(system.omega == 0)))
+    return 2 * int(np.count_nonzero(system.slowest_decay * s < DEAD))
+
+
 def _flow(system: System, s: float, deviations: FloatArray, count: int) -> FloatArray:
     """Deviations ``(2 n, m)`` after `s` seconds within one state, of the first `count` modes; the others are zero."""
-    if isinstance(system, Coupled):
-        return system.flown(s, deviations)
     C, S = responses(system, s, count)
     a, n = system.damping_rate[:count, None], system.omega.size
     q, v = deviations[:count], deviations[n : n + count]
