@@ -18,6 +18,8 @@ from lapjoint.problem import FloatArray
 SWINGS = 4.0
 """A term c exp(r s) swings within a width w, s, if |r| w is larger.  Its bound by amplitude, 2 |c|, is then less than
 its bound by curvature, w^2 |c r^2| / 8."""
+LITTLE = 0.5
+"""Product of a rate and a time below which exp less 1 loses more than a binary digit."""
 
 
 @njit_called()
@@ -43,11 +45,57 @@ def start_terms(
     each place's displacement, m, ``(p,)``.
     """
     n, m, count = y.size // 2, shares.shape[1], which.size
-    amplitudes, moduli = complex_zeros(m), zeros(m)
+    amplitudes = complex_zeros(m)
+    free = _free_motion(y, start, loads, forced, amplitudes, count)
+    for j in range(count):
+        x, v = free[0, which[j]], free[1, which[j]]
+        amplitudes[j] = complex(x, (roots[0][j] * x - v) * roots[1][j])
+    return free, amplitudes, *_at_places(amplitudes, y[:n], shares, moduli_of_shares)
+
+
+@njit_called(vectorised=True)
+def start_coupled(
+    y: FloatArray,
+    start: float,
+    loads: tuple[FloatArray, FloatArray],
+    forced: tuple[FloatArray, FloatArray],
+    back: FloatArray,
+    shares: ComplexArray,
+    moduli_of_shares: FloatArray,
+) -> tuple[FloatArray, ComplexArray, FloatArray, ComplexArray, FloatArray]:
+    """`start_terms` of a flow whose modes are coupled, as its free terms are.
+
+    `back` holds real and imaginary part of the amplitude of each free term, in turn, for units of (q, q'), ``(2 n, 2
+    T)``; `moduli_of_shares` the moduli of the factors of all terms and of (q, q'), ``(p, m + 2 n)``.
+    """
+    n, m, count = y.size // 2, shares.shape[1], back.shape[1] // 2
+    amplitudes, parts = complex_zeros(m), zeros(2 * count)
+    free = _free_motion(y, start, loads, forced, amplitudes, count)
+    for i in range(2 * n):
+        one = free[i // n, i % n]
+        for j in range(2 * count):
+            parts[j] += one * back[i, j]
+    for j in range(count):
+        amplitudes[j] = complex(parts[2 * j], parts[2 * j + 1])
+    return free, amplitudes, *_at_places(amplitudes, y, shares, moduli_of_shares)
+
+
+@njit_inner()
+def _free_motion(
+    y: FloatArray,
+    start: float,
+    loads: tuple[FloatArray, FloatArray],
+    forced: tuple[FloatArray, FloatArray],
+    amplitudes: ComplexArray,
+    count: int,
+) -> FloatArray:
+    """(q, q') less the forced motion, ``(2, n)``; the amplitudes of the loads and the constant, after `count` others,
+    are written into `amplitudes`."""
+    n = y.size // 2
     for h in range(loads[0].size):
         angle = loads[0][h] * start + loads[1][h]
         amplitudes[count + h] = complex(math.cos(angle), math.sin(angle))
-    amplitudes[m - 1] = 1.0
+    amplitudes[amplitudes.size - 1] = 1.0
     free = zeros((2, n))
     for i in range(2 * n):
         left = y[i] - forced[1][i]
@@ -55,9 +103,16 @@ def start_terms(
             load = amplitudes[count + h]
             left -= forced[0][i, 2 * h] * load.real + forced[0][i, 2 * h + 1] * load.imag
         free[i // n, i % n] = left
-    for j in range(count):
-        x, v = free[0, which[j]], free[1, which[j]]
-        amplitudes[j] = complex(x, (roots[0][j] * x - v) * roots[1][j])
+    return free
+
+
+@njit_inner()
+def _at_places(
+    amplitudes: ComplexArray, y: FloatArray, shares: ComplexArray, moduli_of_shares: FloatArray
+) -> tuple[FloatArray, ComplexArray, FloatArray]:
+    """Moduli, amplitudes at places and sizes as in `start_terms`; `y` is what `moduli_of_shares` takes after terms."""
+    m = amplitudes.size
+    moduli = zeros(m)
     for k in range(m):
         moduli[k] = abs(amplitudes[k])
     terms, sizes = complex_zeros(shares.shape), zeros(shares.shape[0])
@@ -65,9 +120,9 @@ def start_terms(
         for k in range(m):
             terms[u, k] = shares[u, k] * amplitudes[k]
             sizes[u] += moduli_of_shares[u, k] * moduli[k]
-        for i in range(n):
+        for i in range(y.size):
             sizes[u] += moduli_of_shares[u, m + i] * abs(y[i])
-    return free, amplitudes, moduli, terms, sizes
+    return moduli, terms, sizes
 
 
 @njit_called()
@@ -89,6 +144,32 @@ def moved_on(
         now = amplitudes[i] * _wave(rates[i], s)
         y[i] += now.real
         y[n + i] += (now * rates[i]).real
+    return y
+
+
+@njit_called(vectorised=True)
+def moved_on_coupled(
+    amplitudes: ComplexArray,
+    rates: ComplexArray,
+    motion: FloatArray,
+    forced: tuple[FloatArray, FloatArray],
+    s: float,
+) -> FloatArray:
+    """`moved_on` of a flow whose modes are coupled, but for rigid-body motion.
+
+    `motion` holds (q, q') for units of the real part of the amplitude of each free term and of minus its imaginary
+    part, in turn, shape ``(2 T, 2 n)``.
+    """
+    y, count = forced[1].copy(), motion.shape[0] // 2
+    for k in range(rates.size - 1):
+        now = amplitudes[k] * _wave(rates[k], s)
+        if k < count:
+            for i in range(y.size):
+                y[i] += motion[2 * k, i] * now.real - motion[2 * k + 1, i] * now.imag
+        else:
+            h = k - count
+            for i in range(y.size):
+                y[i] += forced[0][i, 2 * h] * now.real + forced[0][i, 2 * h + 1] * now.imag
     return y
 
 
@@ -157,6 +238,48 @@ def integrals(terms: ComplexArray, rates: ComplexArray, T: float) -> FloatArray:
         for u in range(areas.size):
             areas[u] += (terms[u, k] * area).real
     return areas
+
+
+@njit_called()
+def integral_of_product(one: ComplexArray, other: ComplexArray, rates: ComplexArray, T: float) -> float:
+    """The time integral over `T` seconds of the product of two motions, Re(c exp(r s)) summed over the terms of each.
+
+    Given are the amplitudes of both, m and m/s, for instance, and their rates, 1/s, ``(m,)``.  Products of terms are
+    exponentials again, and those of a pair of terms have two rates, r + r' and r + conj r'.
+    """
+    m, total = rates.size, 0.0
+    waves = complex_zeros(m)
+    for i in range(m):
+        waves[i] = _wave(rates[i], T)
+    for i in range(m):
+        for j in range(i + 1):
+            mean = 0.5 if i == j else 1.0  # the pairs of different terms are two, with the same integrals
+            back = complex(rates[j].real, -rates[j].imag)
+            turning = _integral_of_waves(rates[i] + rates[j], waves[i] * waves[j], T)
+            still = _integral_of_waves(rates[i] + back, waves[i] * complex(waves[j].real, -waves[j].imag), T)
+            a = one[i] * other[j] + one[j] * other[i]
+            b = one[i] * complex(other[j].real, -other[j].imag) + complex(one[j].real, -one[j].imag) * other[i]
+            total += mean * ((a * turning).real + (b * still).real)
+    return total / 2
+
+
+@njit_inner()
+def _integral_of_waves(rate: complex, end: complex, T: float) -> complex:
+    """The integral of exp(rate s) over `T` seconds, s; `end` is exp(rate T).
+
+    `end` less 1 loses digits where it turns or falls by little; there it is computed by `expm1`.
+    """
+    a, b = rate.real * T, rate.imag * T
+    if max(abs(a), abs(b)) < LITTLE:
+        if a == 0 and b == 0:
+            return complex(T, 0.0)
+        less = complex(math.expm1(a) * math.cos(b) - 2 * math.sin(b / 2) ** 2, math.exp(a) * math.sin(b))
+    else:
+        less = end - 1.0
+    size = rate.real**2 + rate.imag**2
+    return complex(
+        (less.real * rate.real + less.imag * rate.imag) / size, (less.imag * rate.real - less.real * rate.imag) / size
+    )
 
 
 @njit_inner()

@@ -24,7 +24,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fe_lapjoint.march.compiled import integrals
+from fe_lapjoint.march.compiled import integral_of_product, integrals, moved_on_coupled, start_coupled
 from fe_lapjoint.march.envelope import Envelope
 from fe_lapjoint.march.exponentials import Exponentials, exponentials, rigid_directions
 from fe_lapjoint.march.propagator import Flow
@@ -32,9 +32,6 @@ from fe_lapjoint.march.system import ComplexArray, Coordinates, IndexArray, Moda
 from lapjoint.answers.contact_state import ContactState
 from lapjoint.problem import FloatArray
 from lapjoint.problem.supports_and_stops import PlacedStop
-
-_LITTLE = 0.5
-"""Product of a rate and a time below which exp less 1 loses more than a binary digit."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -142,15 +139,12 @@ class Coupled(System):
         return np.ascontiguousarray(np.concatenate([np.abs(self.shares[:, :-1]), *fall], axis=1))
 
     @cached_property
-    def motion(self) -> ComplexArray:
-        """(q, q') for each term of unit amplitude: free terms, loads; shape ``(2 n, terms - 1)``."""
-        q = np.concatenate([self.free.modes, -1j * self.amplitudes], axis=1)
-        return np.concatenate([q, q * self.rates_of_terms[:-1]])
-
-    @cached_property
-    def still(self) -> FloatArray:
-        """(q, q') under the constant forces at the start, shape ``(2 n,)``."""
-        return np.concatenate([self.steady[:, 0], self.steady[:, 1]])
+    def motion_by_loads(self) -> tuple[FloatArray, FloatArray]:
+        """The forced motion at the start by real and imaginary part of each load, ``(2 n, 2 H)``, and without loads,
+        ``(2 n,)``."""
+        turning = self.amplitudes.conj()
+        both = np.concatenate([1j * turning, self.driven * turning]).view(float)
+        return both, np.concatenate([self.steady[:, 0], self.steady[:, 1]])
 
     @property
     def loads(self) -> ComplexArray:
@@ -175,7 +169,7 @@ class Coupled(System):
         """Amplitudes `s` seconds later of the first `count` free terms of deviations ``(2 n, m)``: of each term the
         real part and minus the imaginary part, in turn, shape ``(2 count, m)``."""
         waves = np.exp(self.free.rates[:count] * s)
-        start = (self.free.real_back[: 2 * count] @ deviations).reshape(count, 2, -1)
+        start = (self.free.real_back[:, : 2 * count].T @ deviations).reshape(count, 2, -1)
         re, im = waves.real[:, None], waves.imag[:, None]
         flown = np.empty_like(start)
         flown[:, 0] = re * start[:, 0] - im * start[:, 1]
@@ -185,7 +179,7 @@ class Coupled(System):
     def flown(self, s: float, deviations: FloatArray, count: int | None = None) -> FloatArray:
         """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later, of the first `count` free terms, or of all."""
         n, count = self.omega.size, self.free.rates.size if count is None else count
-        result = self.free.real_motion[:, : 2 * count] @ self.flown_amplitudes(s, deviations, count)
+        result = self.free.real_motion[: 2 * count].T @ self.flown_amplitudes(s, deviations, count)
         if self.free.rest is not None:
             place, speed = self.free.rest @ deviations
             result[:n] += place + speed * s
@@ -200,18 +194,14 @@ class CoupledFlow(Flow):
 
     def __init__(self, system: Coupled, start: float, q: FloatArray, v: FloatArray) -> None:
         self.system, self.start, self.q, self.v = system, start, q, v
-        y, T = np.concatenate([q, v]), system.free.rates.size
-        loads = np.exp(1j * (system.driven * start + system.phase))
-        own = y - system.still - (system.motion[:, T:] @ loads).real
-        self._amplitudes = np.concatenate([system.free.back @ own, loads, [1.0]])
-        self._moduli = np.abs(self._amplitudes)
-        self.terms = system.shares * self._amplitudes
-        self._sizes = system.moduli_of_shares @ np.concatenate([self._moduli, np.abs(y)])
-        self.free = own.reshape(2, -1)
+        y, loads, free = np.concatenate([q, v]), (system.driven, system.phase), system.free
+        self.free, self._amplitudes, self._moduli, self.terms, self._sizes = start_coupled(
+            y, start, loads, system.motion_by_loads, free.real_back, system.shares, system.moduli_of_shares
+        )
         self._rest = None
-        if system.free.rest is not None:
+        if free.rest is not None:
             self._rest = system.steady * [0.0, 1.0, 1.0]
-            self._rest[:, :2] += (system.free.rest @ own).T
+            self._rest[:, :2] += (free.rest @ self.free.ravel()).T
 
     _rest: FloatArray | None
     """Coefficients of 1, s, s^2 in the modal displacements beside the terms, shape ``(n, 3)``."""
@@ -237,22 +227,20 @@ class CoupledFlow(Flow):
     def __call__(self, t: FloatArray, dt: int = 0) -> FloatArray:
         """The `dt`-th derivative (0 to 2) of q at the times ``t``, s, shape ``(m,)``; gives ``(n, m)``."""
         it, s = self.system, np.asarray(t - self.start, dtype=float)
-        n, rates = it.omega.size, it.rates_of_terms[:-1]
+        T, rates = it.free.rates.size, it.rates_of_terms[:-1]
         terms = (self._amplitudes[:-1] * rates**dt)[:, None] * np.exp(np.multiply.outer(rates, s))
-        result = (it.motion[:n] @ terms).real
+        result = (it.free.modes @ terms[:T]).real + (it.amplitudes @ terms[T:]).imag
         if dt == 0:
             result += it.steady[:, :1]
         return np.asarray(result if self._rest is None else result + self._rest @ _powers_of(s, dt))
 
     def at(self, t: float) -> FloatArray:
         """(q, q') at time `t`, s: kg^1/2 m and kg^1/2 m/s, shape ``(2 n,)``."""
-        it, s = self.system, t - self.start
-        n, waves = it.omega.size, np.exp(it.rates_of_terms[:-1] * s)
-        y = (it.motion @ (self._amplitudes[:-1] * waves)).real
-        y[:n] += it.steady[:, 0]
+        it, s, n = self.system, t - self.start, self.q.size
+        y = moved_on_coupled(self._amplitudes, it.rates_of_terms, it.free.real_motion, it.motion_by_loads, s)
         if self._rest is not None:
             y[:n] += self._rest @ [1.0, s, s * s]
-            y[n:] += self._rest @ [0.0, 1.0, 2 * s]
+            y[n:] += self._rest @ [0.0, 1.0, 2 * s] - it.steady[:, 1]
         return np.asarray(y)
 
     def _beside(self, s: FloatArray, dt: int) -> FloatArray:
@@ -291,18 +279,12 @@ class CoupledFlow(Flow):
 
     def work_on(self, k: int, sign: float, gap: float, end: float) -> float:
         """The integral of (z + (c / k) z' - sign gap) z' at closed damped stop `k` to `end`, m2: times the stiffness,
-        the energy that the stop takes.
-
-        Products of terms are exponentials again.  `Coupled.plain` is required.
+        the energy that the stop takes.  `Coupled.plain` is required.
         """
-        it, T = self.system, end - self.start
-        rates = it.rates_of_terms
-        one, other = self.terms[it.force_place[k]].copy(), self.terms[it.row_places[k]] * rates
+        it = self.system
+        one, other = self.terms[it.force_place[k]].copy(), self.terms[it.row_places[k]] * it.rates_of_terms
         one[-1] -= sign * gap  # the last term is constant
-
-        both = one @ _integrals_of_products(rates, rates, T) @ other
-        crossed = one @ _integrals_of_products(rates, rates.conj(), T) @ other.conj()
-        return float(both.real + crossed.real) / 2
+        return float(integral_of_product(one, other, it.rates_of_terms, end - self.start))
 
     @cached_property
     def envelope(self) -> Envelope:
@@ -319,20 +301,6 @@ class CoupledFlow(Flow):
             np.concatenate([slope, fall]),
             np.concatenate([slope * it.moduli, bend]),
         )
-
-
-def _integrals_of_products(one: ComplexArray, other: ComplexArray, T: float) -> ComplexArray:
-    """The integrals over `T` seconds of exp((r + p) s), for rates r of `one`, ``(m,)``, and p of `other`, ``(l,)``;
-    gives ``(m, l)``, s.
-
-    A product of waves less 1 loses digits where their sum turns or falls by little; there it is computed by `expm1`.
-    """
-    sums, found = np.add.outer(one, other), np.outer(np.exp(one * T), np.exp(other * T)) - 1.0
-    little = np.nonzero(np.maximum(np.abs(sums.real), np.abs(sums.imag)) * T < _LITTLE)
-    found[little] = np.expm1(sums[little] * T)
-    still = sums == 0
-    sums[still], found[still] = 1.0, T
-    return np.asarray(found / sums)
 
 
 def _powers_of(s: FloatArray, dt: int) -> FloatArray:

@@ -39,34 +39,27 @@ class Exponentials:
 
     rates: ComplexArray
     """Rates r, 1/s, shape ``(T,)``; of a coupled state the slowest decay comes first."""
-    motion: ComplexArray
-    """(q, q') of each term of unit amplitude, kg^1/2 m and kg^1/2 m/s, shape ``(2 n, T)``."""
+    modes: ComplexArray
+    """Modal displacements of each term of unit amplitude, kg^1/2 m, shape ``(n, T)``."""
+    speeds: ComplexArray
+    """Modal velocities of each term of unit amplitude, kg^1/2 m/s, shape ``(n, T)``."""
     back: ComplexArray
     """Amplitudes c for units of (q, q') at the start, shape ``(T, 2 n)``."""
     rest: FloatArray | None
     """Displacement and speed of rigid-body modes beside the terms for units of (q, q'), shape ``(2, n, 2 n)``; None
     without such modes."""
 
-    @property
-    def modes(self) -> ComplexArray:
-        """Modal displacements of each term of unit amplitude, kg^1/2 m, shape ``(n, T)``."""
-        return self.motion[: self.motion.shape[0] // 2]
-
-    @property
-    def speeds(self) -> ComplexArray:
-        """Modal velocities of each term of unit amplitude, kg^1/2 m/s, shape ``(n, T)``."""
-        return self.motion[self.motion.shape[0] // 2 :]
-
     @cached_property
     def real_motion(self) -> FloatArray:
         """(q, q') for units of the real part of each amplitude and of minus its imaginary part, in turn,
-        ``(2 n, 2 T)``: half the work of products of complex matrices."""
-        return np.ascontiguousarray(self.motion).view(float)
+        ``(2 T, 2 n)``: half the work of products of complex matrices."""
+        motion = np.concatenate([self.modes, self.modes * self.rates]).T
+        return np.stack([motion.real, motion.imag], axis=1).reshape(-1, motion.shape[1])
 
     @cached_property
     def real_back(self) -> FloatArray:
-        """Real and imaginary part of each amplitude, in turn, for units of (q, q'), shape ``(2 T, 2 n)``."""
-        return np.ascontiguousarray(self.back.T).view(float).T
+        """Real and imaginary part of each amplitude, in turn, for units of (q, q'), shape ``(2 n, 2 T)``."""
+        return np.ascontiguousarray(self.back.T).view(float)
 
     def outlasting(self, s: float, most: float) -> int:
         """How many terms have decayed by less than exp(-`most`) after `s` seconds: the first ones of all."""
@@ -121,20 +114,20 @@ def _exponentials(omega: FloatArray, D: FloatArray) -> tuple[Exponentials, float
     rates, vectors = values[upper], vectors[:, upper]
     inverse = _amplitudes_of(vectors, rates.imag > 0)
     rates = np.minimum(rates.real, 0.0) + 1j * rates.imag
-    motion, back = np.zeros((2 * n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
-    modes, speeds = motion[:n], motion[n:]
+    (modes, speeds), back = np.zeros((2, n, rates.size), dtype=complex), np.zeros((rates.size, 2 * n), dtype=complex)
     modes[moving], speeds[moving] = vectors[m:] / rates, vectors[m:]
     modes[e] = vectors[:m] / s[:, None]
     back[:, e], back[:, n + moving] = inverse[:, :m] * s, inverse[:, m:]
     if turn is None:
-        return Exponentials(rates, motion, back, None), skew
+        return Exponentials(rates, modes, speeds, back, None), skew
     rest, rigid = np.zeros((2, n, 2 * n)), np.flatnonzero(~bends)
     rest[0, rigid] = -(modes[rigid] @ back).real
     rest[0, rigid, rigid] += 1.0
     alone = np.flatnonzero(~bends & ~dragged)
     rest[1, alone, n + alone] = 1.0
     both = scipy.linalg.block_diag(turn, turn)
-    return Exponentials(rates, np.asarray(both @ motion, dtype=complex), back @ both.T, turn @ rest @ both.T), skew
+    turned, rate = (np.asarray(turn @ of, dtype=complex) for of in (modes, speeds))
+    return Exponentials(rates, turned, rate, back @ both.T, turn @ rest @ both.T), skew
 
 
 def rigid_directions(omega: FloatArray, D: FloatArray) -> tuple[FloatArray, npt.NDArray[np.bool_]]:

@@ -214,7 +214,7 @@ def own_exponentials(system: System) -> Exponentials:
     back[s, pair], back[s, n + pair] = -fast / (slow - fast), 1 / (slow - fast)
     back[f, pair], back[f, n + pair] = slow / (slow - fast), -1 / (slow - fast)
     back[term[-dragged.size or rates.size :], n + dragged] = 1.0
-    return Exponentials(rates, np.concatenate([modes, speeds]), back, None)
+    return Exponentials(rates, modes, speeds, back, None)
 
 
 def ramp_form(system: System, orientation: FloatArray, offset: FloatArray, window: float) -> RampForm:

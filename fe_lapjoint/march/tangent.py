@@ -121,7 +121,7 @@ class _Deviations:
                 return replace(self, columns=system.flown(s, self.columns, count)), system.omega.size
             own = system.flown_amplitudes(s, self.columns, count)
             made = own if self.rest is None else own @ self.rest
-            return _Deviations(system.free.real_motion[:, : 2 * count], np.ones(2 * count), made), system.omega.size
+            return _Deviations(system.free.real_motion[: 2 * count].T, np.ones(2 * count), made), system.omega.size
         modes = np.flatnonzero(system.slowest_decay * since < DEAD)
         count = int(modes[-1]) + 1 if modes.size else 0
         flown = replace(self, columns=_flow(system, s, self.columns, count))
