@@ -25,8 +25,9 @@ from functools import cached_property
 import numpy as np
 
 from fe_lapjoint.march.compiled import integral_of_product, integrals, moved_on_coupled, start_coupled
+from fe_lapjoint.march.coupled_modes import CoupledModes
 from fe_lapjoint.march.envelope import Envelope
-from fe_lapjoint.march.exponentials import Exponentials, exponentials, rigid_directions
+from fe_lapjoint.march.exponentials import Exponentials, rigid_directions
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.system import ComplexArray, Coordinates, IndexArray, ModalRamps, System
 from lapjoint.answers.contact_state import ContactState
@@ -42,17 +43,35 @@ class Coupled(System):
     z'.  `place_of` is the place of each gap function that may switch, as `Model.rows` lists them.
     """
 
-    D: FloatArray
-    """Damping matrix, 1/s, shape ``(n, n)``."""
-    free: Exponentials
-    delay: FloatArray
-    """c / k of the points that read z + (c / k) z', and 0 of the positions, s, shape ``(p,)``."""
-    force_place: IndexArray
-    """The place whose penetration times the stiffness is the force of each stop, shape ``(P,)``."""
+    modes: CoupledModes
+    """What the state is without its loads."""
     push: ComplexArray
     """Complex amplitudes of the loads, with those of dampers that move with the base, kg^1/2 m/s2, ``(n, H)``."""
-    row_places: IndexArray
-    """The place of each gap function, or -1 for one of an open stop that reads z + (c / k) z', ``(P + D,)``."""
+
+    @property
+    def D(self) -> FloatArray:
+        """Damping matrix, 1/s, shape ``(n, n)``."""
+        return self.modes.damping
+
+    @property
+    def free(self) -> Exponentials:
+        """The free motions."""
+        return self.modes.free
+
+    @property
+    def delay(self) -> FloatArray:
+        """c / k of the points that read z + (c / k) z', and 0 of the positions, s, shape ``(p,)``."""
+        return self.modes.delay
+
+    @property
+    def force_place(self) -> IndexArray:
+        """The place whose penetration times the stiffness is the force of each stop, shape ``(P,)``."""
+        return self.modes.force_place
+
+    @property
+    def row_places(self) -> IndexArray:
+        """The place of each gap function, or -1 for one of an open stop that reads z + (c / k) z', ``(P + D,)``."""
+        return self.modes.row_places
 
     @cached_property
     def of_forces(self) -> Coupled:
@@ -96,7 +115,10 @@ class Coupled(System):
         """Complex amplitudes P of the forced motion Im(P exp(i angle)), kg^1/2 m, shape ``(n, H)``."""
         found = np.zeros(self.push.shape, dtype=complex)
         for h, w in enumerate(self.driven.tolist()):
-            found[:, h] = np.linalg.solve(np.diag(self.omega**2 - w**2) + 1j * w * self.D, self.push[:, h])
+            dynamic = np.zeros(self.D.shape, dtype=complex)
+            np.multiply(self.D, w, out=dynamic.imag)
+            np.fill_diagonal(dynamic.real, self.omega**2 - w**2)
+            found[:, h] = np.linalg.solve(dynamic, self.push[:, h])
         return found
 
     @cached_property
@@ -107,15 +129,15 @@ class Coupled(System):
     @cached_property
     def shares(self) -> ComplexArray:
         """Factor of each term in the motion of the places: free terms, loads, constant; shape ``(p, terms)``."""
-        free = self.places @ self.free.modes * (1 + np.outer(self.delay, self.free.rates))
         still = self.places @ self.steady[:, 0] + self.delay * (self.places @ self.steady[:, 1])
-        return np.ascontiguousarray(np.concatenate([free, -1j * self.place_amplitudes, still[:, None]], axis=1))
+        return np.ascontiguousarray(
+            np.concatenate([self.modes.shares, -1j * self.place_amplitudes, still[:, None]], axis=1)
+        )
 
     @cached_property
     def moduli_of_shares(self) -> FloatArray:
         """Moduli of the `shares`, and of the places for units of (q, q'), shape ``(p, terms + 2 n)``."""
-        own = np.abs(self.places)
-        return np.concatenate([np.abs(self.shares), own, self.delay[:, None] * own], axis=1)
+        return np.concatenate([np.abs(self.shares), self.modes.moduli], axis=1)
 
     @cached_property
     def rates_of_terms(self) -> ComplexArray:
@@ -310,68 +332,27 @@ def _powers_of(s: FloatArray, dt: int) -> FloatArray:
     return np.array(rows[dt])
 
 
-def coupled_system(
-    base: System,
-    state: ContactState,
-    stops: Sequence[PlacedStop],
-    own: FloatArray,
-    drag: FloatArray | None,
-    alike: Coupled | None,
-) -> Coupled:
-    """A state whose modes are coupled, from the one in which the springs that act are closed stops.
-
-    The damping matrix without the stops, 1/s, ``(n, n)``, is `own`, and that of viscous damping where it couples the
-    modes, `drag`. `alike` differs by the loads at most: if its
-    frequencies are those of `base`, its free motions are taken.
-    """
-    damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
-    closed = [k for k in damped if k in state]
-    coupling, push = np.zeros_like(own) if drag is None else drag.copy(), base.harmonic.astype(complex)
-    for k in closed:
-        if k not in state.released:
-            phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
-            coupling += stops[k].damping * np.outer(phi, phi)
-            push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
-    D = own + coupling
-    places, P = base.places.shape[0], len(stops)
-    force_place, row_places = base.place_of.copy(), np.full(P + len(damped), -1)
-    row_places[:P] = base.place_of
-    for i, k in enumerate(closed):
-        force_place[k] = row_places[P + damped.index(k)] = places + i
+def coupled_system(base: System, state: ContactState, stops: Sequence[PlacedStop], modes: CoupledModes) -> Coupled:
+    """A state whose modes are coupled under its loads, from the one in which the springs that act are closed stops."""
+    push, closed = base.harmonic.astype(complex), list(modes.closed)
     given = {field.name: getattr(base, field.name) for field in fields(System)}
-    given |= {"state": state, "places": np.concatenate([base.places, base.stops[closed]])}
+    given |= {"state": state, "places": modes.places, "place_of": modes.place_of}
     given["seen"] = np.concatenate([base.seen, base.seen[base.place_of[closed]]])
+    for k in modes.pressing if base.sees_base else ():
+        phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
+        push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
     if base.ramps is not None:
-        given["ramps"] = _damped_ramps(base, base.ramps, state, stops, closed)
-    given["place_of"] = row_places[searched_rows(stops, state)]
-    same = alike is not None and alike.omega is base.omega
-    return Coupled(
-        **given,
-        D=D,
-        free=alike.free if alike is not None and same else exponentials(base.omega, own, coupling),
-        delay=np.array([*np.zeros(places), *(stops[k].damping / stops[k].stiffness for k in closed)]),
-        force_place=force_place,
-        push=push,
-        row_places=row_places,
-    )
+        given["ramps"] = _damped_ramps(base, base.ramps, stops, modes)
+    return Coupled(**given, modes=modes, push=push)
 
 
-def _damped_ramps(
-    base: System, ramps: ModalRamps, state: ContactState, stops: Sequence[PlacedStop], closed: list[int]
-) -> ModalRamps:
-    """The sampled forces with those of dampers that move with the base, of the `closed` damped stops."""
-    push, seen = ramps.base.copy(), ramps.seen[base.place_of[closed]]
-    for k, share in zip(closed, seen, strict=True):
-        if k not in state.released:
+def _damped_ramps(base: System, ramps: ModalRamps, stops: Sequence[PlacedStop], modes: CoupledModes) -> ModalRamps:
+    """The sampled forces with those of dampers that move with the base, of the closed damped stops."""
+    push, seen = ramps.base.copy(), ramps.seen[base.place_of[list(modes.closed)]]
+    for k, share in zip(modes.closed, seen, strict=True):
+        if k in modes.pressing:
             push[:, 1] -= stops[k].damping * share * np.where(base.omega > 0, base.stops[k], 0.0)
     return replace(ramps, base=push, seen=np.concatenate([ramps.seen, seen]))
-
-
-def searched_rows(stops: Sequence[PlacedStop], state: ContactState) -> IndexArray:
-    """The gap functions that may switch: those of all stops, and those of the forces of closed stops that end."""
-    damped = [k for k, stop in enumerate(stops) if stop.damping > 0]
-    forces = [i for i, k in enumerate(damped, len(stops)) if k in state and not stops[k].may_pull]
-    return np.array([*range(len(stops)), *forces], dtype=np.intp)
 
 
 def flow_from(system: System, start: float, y: FloatArray) -> Flow:

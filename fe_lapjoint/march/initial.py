@@ -17,7 +17,8 @@ import numpy as np
 
 from fe_lapjoint.equilibrium import start_of
 from fe_lapjoint.march.coupled import Coupled
-from fe_lapjoint.march.model import Model, acting
+from fe_lapjoint.march.coupled_modes import acting
+from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.system import System
 from fe_lapjoint.modes.assembly import Assembly
 from lapjoint.answers.contact_state import ContactState

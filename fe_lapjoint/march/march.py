@@ -18,9 +18,10 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from fe_lapjoint.march.coupled import Coupled, CoupledFlow, flow_from
+from fe_lapjoint.march.coupled_modes import acting
 from fe_lapjoint.march.crowding import Crowd
 from fe_lapjoint.march.gaps import FlowGaps, SolutionGaps
-from fe_lapjoint.march.model import Model, acting
+from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.peaks import deepest
 from fe_lapjoint.march.propagator import Flow
 from fe_lapjoint.march.ramp_march import RampMotion, follow

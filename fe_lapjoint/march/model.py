@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fe_lapjoint.march.coupled import Coupled, coupled_system, searched_rows
+from fe_lapjoint.march.coupled import Coupled, coupled_system
+from fe_lapjoint.march.coupled_modes import acting, coupled_modes, searched_rows
 from fe_lapjoint.march.ramp_tables import Knots, RampForm, knots_of, ramp_form
-from fe_lapjoint.march.system import IndexArray, System, build_system, drag_on, own_rates, under_other_loads
+from fe_lapjoint.march.system import IndexArray, System, build_system, under_other_loads
 from fe_lapjoint.modes.assembly import Assembly
 from fe_lapjoint.modes.eigenmodes import transfer, weighted
 from lapjoint.answers.contact_state import ContactState
-from lapjoint.problem import FloatArray, ModalDamping, Problem
+from lapjoint.problem import FloatArray, Problem
 from lapjoint.problem.ramps import Ramps
 
 _ALL = slice(None)
@@ -78,14 +79,9 @@ class Model:
 
     def _coupled(self, state: ContactState) -> Coupled:
         """A contact state whose modes are coupled."""
-        base, closed = self.undamped(state), state.pressed
-        drag, own = drag_on(self.assembly, base.vectors), np.diag(2 * own_rates(self.problem, base.omega))
-        if state.released and isinstance(self.problem.damping, ModalDamping):
-            S = self.transfer(closed, state)
-            own = S @ np.diag(2 * own_rates(self.problem, self.undamped(closed).omega)) @ S.T
-        alike = None if self._alike is None else self._alike.system(state)
-        assert alike is None or isinstance(alike, Coupled)
-        return coupled_system(base, state, self.problem.structure.stops, own, drag, alike)
+        base = self.undamped(state)
+        modes = coupled_modes(self.assembly, state, base.omega)
+        return coupled_system(base, state, self.problem.structure.stops, modes)
 
     def rows(self, state: ContactState) -> IndexArray | slice:
         """Which of the gap functions, of ``P`` stops and then of the forces of damped stops, may switch in a state."""
@@ -150,8 +146,3 @@ class Model:
                 signs = (both * self.sign[stop])[rows], (both * self.gap[stop])[rows]
             self._gaps[state] = signs
         return signs
-
-
-def acting(state: ContactState) -> ContactState:
-    """The state with the stops that have let go open: its modes are those of the springs that act."""
-    return ContactState(tuple(k for k in state.closed if k not in state.released)) if state.released else state

@@ -23,8 +23,9 @@ import numpy.typing as npt
 from scipy.linalg import qr
 
 from fe_lapjoint.march.coupled import Coupled, CoupledFlow
+from fe_lapjoint.march.coupled_modes import acting
 from fe_lapjoint.march.march import March, Piece
-from fe_lapjoint.march.model import Model, acting
+from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
 from fe_lapjoint.march.system import ComplexArray, IndexArray, System
 from lapjoint.answers.contact_state import ContactState

@@ -48,10 +48,10 @@ DAMPED = (
     Fault(
         "fe-damped-coupling",
         "a factor",
-        "fe_lapjoint:coupled_system",
+        "fe_lapjoint:_coupled_modes",
         "Dampers of stops are a thousandth too strong.",
-        old="stops[k].damping * np.outer(phi, phi)",
-        new="1.001 * stops[k].damping * np.outer(phi, phi)",
+        old="stops[k].damping * np.outer(bent, bent)",
+        new="1.001 * stops[k].damping * np.outer(bent, bent)",
     ),
     Fault(
         "fe-damped-released-at-gap",
