@@ -157,15 +157,15 @@ def moved_on_coupled(
 ) -> FloatArray:
     """`moved_on` of a flow whose modes are coupled, but for rigid-body motion.
 
-    `motion` holds (q, q') for units of the real part of the amplitude of each free term and of minus its imaginary
-    part, in turn, shape ``(2 T, 2 n)``.
+    `motion` holds (q, q') for units of the real and of the imaginary part of the amplitude of each free term, in turn,
+    shape ``(2 T, 2 n)``.
     """
     y, count = forced[1].copy(), motion.shape[0] // 2
     for k in range(rates.size - 1):
         now = amplitudes[k] * _wave(rates[k], s)
         if k < count:
             for i in range(y.size):
-                y[i] += motion[2 * k, i] * now.real - motion[2 * k + 1, i] * now.imag
+                y[i] += motion[2 * k, i] * now.real + motion[2 * k + 1, i] * now.imag
         else:
             h = k - count
             for i in range(y.size):

@@ -187,21 +187,19 @@ class Coupled(System):
         z, rate = (self.places @ coordinates(t, d) + self._seen_at_places(t, d) for d in (dt, dt + 1))
         return np.asarray((z + self.delay[:, None] * rate)[self.place_of])
 
-    def flown_amplitudes(self, s: float, deviations: FloatArray, count: int) -> FloatArray:
-        """Amplitudes `s` seconds later of the first `count` free terms of deviations ``(2 n, m)``: of each term the
-        real part and minus the imaginary part, in turn, shape ``(2 count, m)``."""
-        waves = np.exp(self.free.rates[:count] * s)
-        start = (self.free.real_back[:, : 2 * count].T @ deviations).reshape(count, 2, -1)
-        re, im = waves.real[:, None], waves.imag[:, None]
-        flown = np.empty_like(start)
-        flown[:, 0] = re * start[:, 0] - im * start[:, 1]
-        flown[:, 1] = -re * start[:, 1] - im * start[:, 0]
-        return flown.reshape(2 * count, -1)
+    def turned(self, s: float, amplitudes: FloatArray) -> FloatArray:
+        """Amplitudes of the first free terms, real and imaginary parts in turn, ``(2 count, m)``, `s` seconds later."""
+        count, m = amplitudes.shape[0] // 2, amplitudes.shape[1]
+        start, waves = amplitudes.reshape(count, 2, m), np.exp(self.free.rates[:count] * s)
+        re, im, result = waves.real[:, None], waves.imag[:, None], np.empty_like(start)
+        result[:, 0] = re * start[:, 0] - im * start[:, 1]
+        result[:, 1] = re * start[:, 1] + im * start[:, 0]
+        return result.reshape(2 * count, m)
 
-    def flown(self, s: float, deviations: FloatArray, count: int | None = None) -> FloatArray:
-        """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later, of the first `count` free terms, or of all."""
-        n, count = self.omega.size, self.free.rates.size if count is None else count
-        result = self.free.real_motion[: 2 * count].T @ self.flown_amplitudes(s, deviations, count)
+    def flown(self, s: float, deviations: FloatArray) -> FloatArray:
+        """Deviations (dq, dq'), ``(2 n, m)``, `s` seconds later."""
+        n = self.omega.size
+        result = self.free.real_motion.T @ self.turned(s, self.free.real_back.T @ deviations)
         if self.free.rest is not None:
             place, speed = self.free.rest @ deviations
             result[:n] += place + speed * s

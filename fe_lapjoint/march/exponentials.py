@@ -51,10 +51,10 @@ class Exponentials:
 
     @cached_property
     def real_motion(self) -> FloatArray:
-        """(q, q') for units of the real part of each amplitude and of minus its imaginary part, in turn,
-        ``(2 T, 2 n)``: half the work of products of complex matrices."""
+        """(q, q') for units of the real and of the imaginary part of each amplitude, in turn, shape ``(2 T, 2 n)``:
+        half the work of products of complex matrices."""
         motion = np.concatenate([self.modes, self.modes * self.rates]).T
-        return np.stack([motion.real, motion.imag], axis=1).reshape(-1, motion.shape[1])
+        return np.stack([motion.real, -motion.imag], axis=1).reshape(-1, motion.shape[1])
 
     @cached_property
     def real_back(self) -> FloatArray:

@@ -24,6 +24,7 @@ from scipy.linalg import qr
 
 from fe_lapjoint.march.coupled import Coupled, CoupledFlow
 from fe_lapjoint.march.coupled_modes import acting
+from fe_lapjoint.march.coupled_tangent import by_amplitudes, jumped
 from fe_lapjoint.march.march import March, Piece
 from fe_lapjoint.march.model import Model
 from fe_lapjoint.march.propagator import free_response
@@ -87,18 +88,19 @@ class Carried:
         slow = 2 * math.pi / (self.motion.pieces[-1].end - start)
         q, v = (np.linalg.norm(part, axis=0) for part in np.split(self.deviations, 2))
         there = _Deviations(self.deviations, np.hypot(slow * q, v))
-        steps, expected = [there], q.size
+        steps, expected = [], q.size
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system, few = self.model.system(piece.state), there.columns.shape[1]
+            there = there.within(system)
+            steps.append(there)
             there, count = there.flown(system, piece.end - piece.start, piece.end - since)
             left = _outlasting(system, piece.end - start)
             if 0 < there.columns.shape[1] == few and left <= _FEW * min(few, expected) and there.rest is not None:
                 there, expected = there.of_independent(system, slow), left
             if piece.switched >= 0:
                 since, after = piece.end, self.motion.y if following is None else following.y
-                there = replace(there, columns=_jump(self.model, piece, after, there.columns, count))
-            steps.append(there)
-        return tuple(steps)
+                there = there.jumped(self.model, piece, after, count)
+        return (*steps, there.within(None))
 
 
 @dataclass(frozen=True)
@@ -106,29 +108,55 @@ class _Deviations:
     """``m`` deviations as combinations of ``r`` columns."""
 
     columns: FloatArray
-    """(dq, dq'), kg^1/2 m and kg^1/2 m/s, shape ``(2 n, r)``."""
+    """(dq, dq'), kg^1/2 m and kg^1/2 m/s, shape ``(2 n, r)``; or amplitudes, ``(2 T, r)``, without last rows of
+    zeros."""
     sizes: FloatArray
     """Size of the motion that each column came from, shape ``(r,)``."""
     rest: FloatArray | None = None
     """The combinations as columns, shape ``(r, m)``; None where each is a column."""
+    state: Coupled | None = None
+    """The state whose amplitudes the columns are; None where they are (dq, dq')."""
+    units: bool = False
+    """Whether the columns are unit vectors of the first amplitudes."""
+
+    def within(self, system: System | None) -> _Deviations:
+        """The deviations in the coordinates of a state, or as (dq, dq')."""
+        columns, state = self.columns, system if system is not None and by_amplitudes(system) else None
+        if state is self.state:
+            return self
+        if self.state is not None:
+            columns = self.state.free.real_motion[: columns.shape[0]].T @ columns
+        if state is not None:
+            columns = state.free.real_back.T @ columns
+        return replace(self, columns=columns, state=state, units=False)
 
     def flown(self, system: System, s: float, since: float) -> tuple[_Deviations, int]:
         """The deviations after `s` seconds in one state, which is `since` seconds old by then, as combinations of what
         is alive if that is less than they are; and the number of the lowest modes beyond which all are zero."""
         few = self.columns.shape[1]
-        if isinstance(system, Coupled):
-            count = system.free.outlasting(since, DEAD)
-            if system.free.rest is not None or not 0 < 2 * count <= _ALIVE * few:
-                return replace(self, columns=system.flown(s, self.columns, count)), system.omega.size
-            own = system.flown_amplitudes(s, self.columns, count)
+        if self.state is not None:
+            count = min(self.state.free.outlasting(since, DEAD), self.columns.shape[0] // 2)
+            own = self.state.turned(s, self.columns[: 2 * count])
+            if not 0 < 2 * count <= _ALIVE * few:
+                return replace(self, columns=own, units=False), system.omega.size
             made = own if self.rest is None else own @ self.rest
-            return _Deviations(system.free.real_motion[: 2 * count].T, np.ones(2 * count), made), system.omega.size
+            return _Deviations(np.eye(2 * count), np.ones(2 * count), made, self.state, True), system.omega.size
+        if isinstance(system, Coupled):
+            return replace(self, columns=system.flown(s, self.columns)), system.omega.size
         modes = np.flatnonzero(system.slowest_decay * since < DEAD)
         count = int(modes[-1]) + 1 if modes.size else 0
         flown = replace(self, columns=_flow(system, s, self.columns, count))
         if 0 < 2 * modes.size <= _ALIVE * few:
             flown = flown.of_alive(np.concatenate([modes, modes + system.omega.size]))
         return flown, count
+
+    def jumped(self, model: Model, piece: Piece, after: FloatArray, count: int) -> _Deviations:
+        """The deviations after the switch that ends a piece, before which `count` modes move; ``after`` is (q, q')."""
+        new = model.system(model.after(piece.state, piece.switched))
+        if self.state is None and not by_amplitudes(new):
+            return replace(self, columns=_jump(model, piece, after, self.columns, count))
+        columns = jumped(model, piece, after, self.columns, self.units)
+        return replace(self, columns=columns, state=new if by_amplitudes(new) else None, units=False)
 
     def of_alive(self, alive: IndexArray) -> _Deviations:
         """The deviations as combinations of the unit vectors of the coordinates that are not zero."""
@@ -141,9 +169,11 @@ class _Deviations:
         """The deviations as combinations of independent columns, by a factorisation with pivots.
 
         The columns are compared by energy, so that the displacements of all modes have equal weight; `slow`, rad/s, is
-        the frequency that stands for lower ones, so that a rigid-body motion counts.
+        the frequency that stands for lower ones, so that a rigid-body motion counts.  Amplitudes are in this measure.
         """
         weights = np.concatenate([np.maximum(system.omega, slow), np.ones(system.omega.size)])
+        if self.state is not None:
+            weights = np.ones(self.columns.shape[0])
         own = self.columns * weights[:, None] / self.sizes
         Q, R, order = qr(own, mode="economic", pivoting=True, overwrite_a=True, check_finite=False)
         added = np.abs(np.diag(R))
@@ -152,7 +182,7 @@ class _Deviations:
         made[:, order] = R[:count]
         made *= self.sizes
         columns = np.ascontiguousarray(Q[:, :count] / weights[:, None])
-        return _Deviations(columns, np.ones(count), made if self.rest is None else made @ self.rest)
+        return _Deviations(columns, np.ones(count), made if self.rest is None else made @ self.rest, self.state)
 
 
 def _segment(model: Model, piece: Piece, here: _Deviations) -> Segment:
@@ -205,6 +235,11 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
     flow = piece.flow
     assert isinstance(flow, CoupledFlow)
     columns = here.columns if here.rest is None else here.columns @ here.rest
+    if here.state is None:
+        deviations = system.free.back @ columns
+    else:
+        deviations = np.zeros((system.free.rates.size, columns.shape[1]), dtype=complex)
+        deviations[: columns.shape[0] // 2] = columns[::2] + 1j * columns[1::2]
     known = (system.row_places >= 0)[:, None]
     places, delay = np.where(known, system.places[system.row_places], 0.0), system.delay[system.row_places][:, None]
     rates = system.rates_of_terms[:-1]
@@ -224,7 +259,7 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
         weights=weights,
         amplitudes=flow.amplitudes,
         polynomial=polynomial,
-        deviations=system.free.back @ columns,
+        deviations=deviations,
         drift=drift,
         switched=piece.switched,
     )

@@ -33,17 +33,17 @@ def eigenmodes(assembly: Assembly, state: ContactState) -> tuple[FloatArray, Flo
     the mesh alone, and are cached: problems with other gaps, damping or excitation share one solution.  Contact states
     whose closed stops have equal positions and stiffnesses, on either side of the beam, share it too.
     """
-    return _eigenmodes(*assembly.without_stops, _springs(assembly, state))
+    return _eigenmodes(*assembly.without_stops, springs_of(assembly, state))
 
 
 def weighted(assembly: Assembly, state: ContactState) -> FloatArray:
     """M Phi of a contact state, kg^1/2, ``(n, n)``, one column a mode, read-only; cached like the modes."""
-    return _weighted(*assembly.without_stops, _springs(assembly, state))
+    return _weighted(*assembly.without_stops, springs_of(assembly, state))
 
 
 def transfer(assembly: Assembly, old: ContactState, new: ContactState) -> FloatArray:
     """The orthogonal matrix Phi_new^T M Phi_old, ``(n, n)``, read-only; cached like the modes."""
-    return _transfer(*assembly.without_stops, _springs(assembly, old), _springs(assembly, new))
+    return transfer_between(*assembly.without_stops, springs_of(assembly, old), springs_of(assembly, new))
 
 
 Springs = tuple[tuple[tuple[tuple[float, float], ...], float], ...]
@@ -56,7 +56,8 @@ def _assembled(joint: Structure, nodes: tuple[float, ...], springs: Springs = ()
     return Assembly(resting(replace(joint, stops=stops)), np.array(nodes))
 
 
-def _springs(assembly: Assembly, state: ContactState) -> Springs:
+def springs_of(assembly: Assembly, state: ContactState) -> Springs:
+    """The closed stops of a state, as caches are keyed by them."""
     stops = assembly.problem.structure.stops
     return tuple(sorted((stops[k].reading, stops[k].stiffness) for k in state.closed))
 
@@ -69,7 +70,8 @@ def _weighted(joint: Structure, nodes: tuple[float, ...], springs: Springs) -> F
 
 
 @lru_cache(maxsize=128)
-def _transfer(joint: Structure, nodes: tuple[float, ...], old: Springs, new: Springs) -> FloatArray:
+def transfer_between(joint: Structure, nodes: tuple[float, ...], old: Springs, new: Springs) -> FloatArray:
+    """`transfer` by all that it depends on."""
     found = _eigenmodes(joint, nodes, new)[1].T @ _weighted(joint, nodes, old)
     found.flags.writeable = False
     return found
