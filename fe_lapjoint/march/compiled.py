@@ -173,6 +173,20 @@ def moved_on_coupled(
     return y
 
 
+@njit_called(vectorised=True)
+def turned(amplitudes: FloatArray, rates: ComplexArray, s: float) -> FloatArray:
+    """The amplitudes of the first terms of ``m`` motions, real and imaginary parts in turn, ``(2 count, m)``, `s`
+    seconds later."""
+    result = zeros(amplitudes.shape)
+    for k in range(amplitudes.shape[0] // 2):
+        wave = _wave(rates[k], s)
+        for j in range(amplitudes.shape[1]):
+            re, im = amplitudes[2 * k, j], amplitudes[2 * k + 1, j]
+            result[2 * k, j] = wave.real * re - wave.imag * im
+            result[2 * k + 1, j] = wave.real * im + wave.imag * re
+    return result
+
+
 @njit_called()
 def at_place(terms: ComplexArray, rates: ComplexArray, place: int, s: float) -> tuple[float, float]:
     """Displacement, m, and velocity, m/s, of a place by amplitudes, m, ``(p, m)``, and rates, 1/s, ``(m,)``."""

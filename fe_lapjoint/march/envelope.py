@@ -41,12 +41,14 @@ class Envelope:
     curvature: FloatArray
     """Bound on |f''|, divided by the share of the term, shape ``(m,)``."""
 
-    def from_chord(self, t: FloatArray, width: float) -> FloatArray:
-        """How far each place may exceed the larger of its values at both ends of an interval, m, shape ``(p, i)``.
+    def from_chord(self, t: FloatArray, width: float, places: slice = slice(None)) -> FloatArray:
+        """How far `places` may exceed the larger of their values at both ends of an interval, m, shape ``(p, i)``.
 
         Interval i lasts `width` seconds from `t[i]`, s.
         """
-        return np.asarray(_from_chord(self.shares, self.fading, self.value, self.curvature, t - self.start, width))
+        return np.asarray(
+            _from_chord(self.shares[places], self.fading, self.value, self.curvature, t - self.start, width)
+        )
 
     def from_tangent(self, place: int, t: float, width: float) -> tuple[float, float]:
         """How far a place may leave its tangent at time `t`, m, and how far its rate may change, m/s, within `width`

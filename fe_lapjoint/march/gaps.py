@@ -133,8 +133,9 @@ class FlowGaps:
 
     def ceiling(self, k: int, t: FloatArray, width: float, ends: FloatArray, side: float = 1.0) -> FloatArray:
         """Bounds on a gap function. See `fe_lapjoint.march.events.Gaps.ceiling`."""
-        above = self.flow.above_troughs(k, side * float(self.orientation[k]), t, width)
-        return np.asarray((side * ends - above).max(axis=0) + self.from_chord(t, width)[k])
+        above, u = self.flow.above_troughs(k, side * float(self.orientation[k]), t, width), self.flow.system.place_of[k]
+        chord = self.flow.envelope.from_chord(t, width, slice(u, u + 1))[0]
+        return np.asarray((side * ends - above).max(axis=0) + chord)
 
     def from_tangent(self, k: int, t: float, width: float) -> tuple[float, float]:
         """Bounds on the time ahead. See `fe_lapjoint.march.events.Gaps.from_tangent`."""

@@ -88,6 +88,9 @@ class Carried:
         slow = 2 * math.pi / (self.motion.pieces[-1].end - start)
         q, v = (np.linalg.norm(part, axis=0) for part in np.split(self.deviations, 2))
         there = _Deviations(self.deviations, np.hypot(slow * q, v))
+        if not q.size:
+            within = (there.within(self.model.system(piece.state)) for piece in self.motion.pieces)
+            return (*within, there)
         steps, expected = [], q.size
         for piece, following in zip(self.motion.pieces, (*self.motion.pieces[1:], None), strict=True):
             system, few = self.model.system(piece.state), there.columns.shape[1]
