@@ -154,6 +154,13 @@ class Coupled(System):
         return np.concatenate([np.abs(self.shares), self.modes.moduli], axis=1)
 
     @cached_property
+    def gap_rows(self) -> tuple[FloatArray, FloatArray, ComplexArray]:
+        """Of each gap function, zeros for one of -1 in `row_places`: the modes, kg^-1/2, ``(P + D, n)``, the delay, s,
+        ``(P + D, 1)``, and the factor of each term but the constant, ``(P + D, terms - 1)``."""
+        known, at = (self.row_places >= 0)[:, None], self.row_places
+        return known * self.places[at], known * self.delay[at][:, None], known * self.shares[at, :-1]
+
+    @cached_property
     def rates_of_terms(self) -> ComplexArray:
         """Rates r of the terms exp(r t) of a place's motion: free terms, loads, constant; 1/s, ``(terms,)``."""
         return np.concatenate([self.free.rates, 1j * self.driven, [0.0]])
@@ -326,18 +333,12 @@ class CoupledFlow(Flow):
     @cached_property
     def envelope(self) -> Envelope:
         """Bounds on the motion of the places, one for each term but the constant, and one for rigid-body modes."""
-        it = self.system
-        value, fall = self._moduli[:-1], [] if it.plain else [np.inf]
+        it, value = self.system, self._moduli[:-1]
         slope = value * it.moduli
-        bend = [] if it.plain else [1.0]
-        return Envelope(
-            self.start,
-            it.fading,
-            it.bounded_shares,
-            np.concatenate([value, fall]),
-            np.concatenate([slope, fall]),
-            np.concatenate([slope * it.moduli, bend]),
-        )
+        bounds = [value, slope, slope * it.moduli]
+        if not it.plain:
+            bounds = [np.append(bound, rest) for bound, rest in zip(bounds, (np.inf, np.inf, 1.0), strict=True)]
+        return Envelope(self.start, it.fading, it.bounded_shares, *bounds)
 
 
 def _powers_of(s: FloatArray, dt: int) -> FloatArray:

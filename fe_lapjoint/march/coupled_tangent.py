@@ -48,7 +48,9 @@ def jumped(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, u
         k = model.damped[k - model.sign.size]
         lag = model.problem.structure.stops[k].damping / float(model.stiffness[k])
     row = np.concatenate([old.stops[k], lag * old.stops[k]])
-    rate = row @ rates + old.seen_motion(at, 1)[k, 0] + lag * old.seen_motion(at, 2)[k, 0]
+    rate = row @ rates
+    if old.sees_base or old.ramps is not None:
+        rate += old.seen_motion(at, 1)[k, 0] + lag * old.seen_motion(at, 2)[k, 0]
     if by_amplitudes(old):
         row = old.modes.shares[old.row_places[piece.switched]].conj().view(float)
     passed, own = _passage_of(model, piece.state, following)[:, : columns.shape[0]], row[: columns.shape[0]]
@@ -60,9 +62,13 @@ def jumped(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, u
 
 def _passage_of(model: Model, old: ContactState, new: ContactState) -> FloatArray:
     """`passage` between two states."""
-    free = [it.free if by_amplitudes(it) else None for it in (model.system(old), model.system(new))]
-    springs = [springs_of(model.assembly, acting(state)) for state in (old, new)]
-    return passage(*model.assembly.without_stops, springs[0], springs[1], free[0], free[1])
+    found = model.passages.get((old, new))
+    if found is None:
+        free = [it.free if by_amplitudes(it) else None for it in (model.system(old), model.system(new))]
+        springs = [springs_of(model.assembly, acting(state)) for state in (old, new)]
+        found = passage(*model.assembly.without_stops, springs[0], springs[1], free[0], free[1])
+        model.passages[old, new] = found
+    return found
 
 
 @cached(_KEPT)

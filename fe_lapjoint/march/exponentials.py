@@ -70,9 +70,14 @@ class Exponentials:
         both = np.stack([one + other, 1j * (other - one)]).view(float) @ self.real_motion[:, :n] / 2
         return np.asarray(both[0] + 1j * both[1])
 
+    @cached_property
+    def decay(self) -> FloatArray:
+        """Rates at which the terms fall, 1/s, shape ``(T,)``."""
+        return -self.rates.real
+
     def outlasting(self, s: float, most: float) -> int:
         """How many terms have decayed by less than exp(-`most`) after `s` seconds: the first ones of all."""
-        return int(np.searchsorted(-self.rates.real * s, most))
+        return int((self.decay * s).searchsorted(most))
 
 
 def exponentials(omega: FloatArray, own: FloatArray, coupling: FloatArray) -> Exponentials:

@@ -39,6 +39,8 @@ class Model:
     _forms: dict[ContactState, RampForm] = field(default_factory=dict)
     _block: tuple[Ramps, Knots] | None = None
     _maps: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
+    passages: dict[tuple[ContactState, ContactState], FloatArray] = field(default_factory=dict)
+    """The matrices of `fe_lapjoint.march.coupled_tangent.passage` that were needed."""
     _alike: Model | None = None
     """A model that differs by the excitation alone, whose contact states are shared."""
 

@@ -243,13 +243,8 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
     else:
         deviations = np.zeros((system.free.rates.size, columns.shape[1]), dtype=complex)
         deviations[: columns.shape[0] // 2] = columns[::2] + 1j * columns[1::2]
-    known = (system.row_places >= 0)[:, None]
-    places, delay = np.where(known, system.places[system.row_places], 0.0), system.delay[system.row_places][:, None]
-    rates = system.rates_of_terms[:-1]
-    weights = np.where(known, system.shares[system.row_places, :-1], 0.0)
-    polynomial, drift = np.zeros((known.size, 3)), np.zeros((known.size, 2, columns.shape[1]))
-    still = flow.polynomial
-    polynomial[:] = places @ still
+    (places, delay, weights), still = system.gap_rows, flow.polynomial
+    polynomial, drift = places @ still, np.zeros((delay.size, 2, columns.shape[1]))
     polynomial[:, :2] += delay * (places @ (still[:, 1:] * [1.0, 2.0]))
     if system.free.rest is not None:
         place, speed = system.free.rest @ columns
@@ -258,7 +253,7 @@ def _coupled_segment(model: Model, system: Coupled, piece: Piece, here: _Deviati
         start=piece.start,
         end=piece.end,
         closed=closed_rows(model, piece.state),
-        rates=rates,
+        rates=system.rates_of_terms[:-1],
         weights=weights,
         amplitudes=flow.amplitudes,
         polynomial=polynomial,
