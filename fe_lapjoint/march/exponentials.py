@@ -102,6 +102,7 @@ def _kept_exponentials(*numbers: bytes) -> Exponentials:
         if skew < _SKEW:
             break
     assert best is not None
+    _ = best.real_motion, best.real_back  # made here, so that they count in the size of what is kept
     return best
 
 

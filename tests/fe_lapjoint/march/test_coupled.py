@@ -79,6 +79,47 @@ def test_flow_at_and_near_a_double_root(apart: float) -> None:
     assert np.abs(here.real - exact).max() < 1e-9
 
 
+def check_forced_motion(seed: int) -> None:
+    """The forced motion against a dense solution, each mode to the digits that it has there."""
+    system = random_state(seed)
+    if system is None:
+        return
+    for h, w in enumerate(system.driven.tolist()):
+        dense = np.diag(system.omega**2 - w**2) + 1j * w * system.D
+        exact, found = np.linalg.solve(dense, system.push[:, h]), system.amplitudes[:, h]
+        condition = float(np.linalg.cond(dense / np.abs(dense).max(axis=0)))
+        assert np.abs(found - exact).max() <= 1e-14 * condition * np.abs(exact).max(), seed
+        left = np.abs(dense @ found - system.push[:, h])
+        assert (left <= 1e-13 * (np.abs(dense) @ np.abs(found) + np.abs(system.push[:, h]))).all(), seed
+
+
+def test_forced_motions_are_dense_solutions() -> None:
+    for seed in range(20):
+        check_forced_motion(seed)
+
+
+@pytest.mark.slow
+def test_many_forced_motions_are_dense_solutions() -> None:
+    for seed in range(20, 300):
+        check_forced_motion(seed)
+
+
+@pytest.mark.parametrize("damping", [1e-14, 1e-9, 1e-4])
+def test_forced_motion_at_resonance_with_hardly_any_damping(damping: float) -> None:
+    """Where a rate is not known well enough to be beside the load's, the forced motion is solved for."""
+    problem = damped_cantilever(np.random.default_rng(4)).replace(damping={"kind": "none"})
+    stop = problem.stops[0]
+    stop = type(stop)(**{**dict(stop), "damping": damping})
+    tuned = model_of(problem.replace(stops=(stop,)), 4).system(ContactState((0,)))
+    assert isinstance(tuned, Coupled)
+    w = float(np.abs(tuned.free.rates.imag).min())
+    dense = np.diag(tuned.omega**2 - w**2) + 1j * w * tuned.D
+    push = np.ones(tuned.omega.size, dtype=complex)
+    found = tuned._driven(push, w)
+    left = np.abs(dense @ found - push)
+    assert (left <= 1e-13 * (np.abs(dense) @ np.abs(found) + 1.0)).all()
+
+
 def test_flow_of_a_rigid_body_beside_a_damped_stop() -> None:
     """Modal damping stays that of the closed stop when its force has ended; the bar then turns freely, with drag."""
     problem = pinned_bar(5.0, EI=1e7).replace(damping={"kind": "modal", "ratio": 0.05})
