@@ -79,7 +79,10 @@ class Coupled(System):
     @cached_property
     def of_forces(self) -> Coupled:
         """The same state, whose gap functions are those of the forces of the stops, shape ``(P,)``."""
-        return replace(self, place_of=self.force_place)
+        made = copy.copy(self)  # with all that was made of it and does not depend on its gap functions
+        vars(made).pop("stop_amplitudes", None)
+        object.__setattr__(made, "place_of", self.force_place)
+        return made
 
     def jacobian(self, t: float, y: FloatArray) -> FloatArray:
         """Derivative of `rates` by y. See `System.jacobian`."""

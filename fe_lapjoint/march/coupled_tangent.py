@@ -54,10 +54,12 @@ def jumped(model: Model, piece: Piece, after: FloatArray, columns: FloatArray, u
     if by_amplitudes(old):
         row = old.modes.shares[old.row_places[piece.switched]].conj().view(float)
     passed, own = _passage_of(model, piece.state, following)[:, : columns.shape[0]], row[: columns.shape[0]]
-    if not units:
-        passed, own = passed @ columns, own @ columns
-    felt = new.free.real_back[n:].T @ change if by_amplitudes(new) else np.concatenate([np.zeros(n), change])
-    return np.asarray(passed - np.multiply.outer(felt, own / rate))
+    own, felt = own if units else own @ columns, np.concatenate([np.zeros(n), change])
+    if by_amplitudes(new):
+        felt = new.free.real_back[n:].T @ change
+    made = np.multiply.outer(felt, own / -rate)
+    made += passed if units else passed @ columns
+    return np.asarray(made)
 
 
 def _passage_of(model: Model, old: ContactState, new: ContactState) -> FloatArray:
@@ -90,4 +92,4 @@ def passage(
     made = np.concatenate([S @ before[:n], S @ before[n:]])
     made = made if new is None else new.real_back.T @ made
     made.flags.writeable = False
-    return made
+    return np.asarray(made)
