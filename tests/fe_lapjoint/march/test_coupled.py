@@ -88,9 +88,10 @@ def check_forced_motion(seed: int) -> None:
         dense = np.diag(system.omega**2 - w**2) + 1j * w * system.D
         exact, found = np.linalg.solve(dense, system.push[:, h]), system.amplitudes[:, h]
         condition = float(np.linalg.cond(dense / np.abs(dense).max(axis=0)))
-        assert np.abs(found - exact).max() <= 1e-14 * condition * np.abs(exact).max(), seed
+        lost = 1e-12 * condition  # by the dense solution, which leaves up to 1e-13 of the forces
+        assert np.abs(found - exact).max() <= lost * np.abs(exact).max(), seed
         left = np.abs(dense @ found - system.push[:, h])
-        assert (left <= 1e-13 * (np.abs(dense) @ np.abs(found) + np.abs(system.push[:, h]))).all(), seed
+        assert (left <= 1e-14 * (np.abs(dense) @ np.abs(found) + np.abs(system.push[:, h]))).all(), seed
 
 
 def test_forced_motions_are_dense_solutions() -> None:
