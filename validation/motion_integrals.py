@@ -14,7 +14,12 @@ from lapjoint.problem.load_shape import LoadShape
 from validation.references.panels import gauss_panels
 
 _PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
-_MOST_HALVINGS = 8  # Most halvings of the panels in time
+_POINTS = 12  # Gauss points in a panel of time
+_HALVINGS = 7
+"""Number of halvings of the panels in time that a long motion may take."""
+_MOST_PANELS = 4096
+"""Number of panels up to which a short motion may take more: in a millisecond of contact the modes of a fine mesh turn
+a thousand times."""
 
 
 def panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -23,7 +28,7 @@ def panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[Float
     for a, b in itertools.pairwise(breaks):
         if b > a:
             edges.append(np.linspace(a, b, pieces * max(1, math.ceil((b - a) / per_panel)) + 1)[1:])
-    return gauss_panels(np.concatenate(edges), 12)
+    return gauss_panels(np.concatenate(edges), _POINTS)
 
 
 def along_beams(history: History) -> tuple[FloatArray, FloatArray]:
@@ -64,12 +69,13 @@ def time_integral(
     are smooth.
     """
     breaks = np.unique(np.concatenate([breaks, _knots(history, float(breaks[0]), float(breaks[-1]))]))
-    values = [math.inf]
-    for halvings in range(_MOST_HALVINGS):
+    values, halvings, points = [math.inf], 0, 0
+    while halvings <= _HALVINGS or 2 * points <= _POINTS * _MOST_PANELS:
         t, w = panels(breaks, first_panel(history), 2**halvings)
         values.append(float(function(t) @ w))
         if np.ptp(values[-3:]) <= 0.1 * tolerance * scale:
             break
+        halvings, points = halvings + 1, t.size
     return values[-1]
 
 
@@ -80,4 +86,4 @@ def _knots(history: History, start: float, end: float) -> FloatArray:
     found = [np.zeros(0)] if ramps is None else [force.knots_within(start, end) for force in ramps.forces]
     knots = np.concatenate(found)
     inside = knots[(knots > start) & (knots < end)]
-    return inside if inside.size <= 16 * 2**_MOST_HALVINGS else inside[:0]
+    return inside if inside.size <= _MOST_PANELS else inside[:0]

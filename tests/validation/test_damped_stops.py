@@ -11,6 +11,7 @@ from random_joints import damped_cantilever
 import fe_lapjoint
 from analytic.solver import Solver
 from lapjoint.answers import History
+from lapjoint.problem.files import from_toml
 from validation.invariants import energy_balance, stated_energies, stated_impulses, witness
 
 
@@ -42,3 +43,33 @@ def test_stated_energies_are_those_of_the_force_law(solver: Solver | fe_lapjoint
     for factor in (-1.0, 1.01):
         changed = tuple(replace(it, dissipated=factor * it.dissipated) for it in found.contacts)
         assert stated_energies(replace(found, contacts=changed), 1e-6).value > 5e-3
+
+
+STRIP = """
+supports = [{ x = 0.0, translational = inf, torsional = inf }]
+masses = [{ x = 0.3, mass = 0.05 }]
+[beam]
+length = 0.3
+material = { youngs_modulus = 2.1e11, density = 7850.0 }
+section = { shape = "rectangle", breadth = 0.02, height = 0.002 }
+[[stops]]
+x = 0.24
+side = "bottom"
+gap = 4e-4
+stiffness = 2e5
+damping = 8.0
+[damping]
+kind = "viscous"
+coefficient = 0.4
+[base_motion]
+amplitude = 2e-4
+angular_frequency = 91.7
+"""
+
+
+@pytest.mark.thorough
+def test_modes_of_a_fine_mesh_that_ring_in_a_contact_are_resolved() -> None:
+    """A steel strip on a rubber pad: its fastest mode turns a thousand times in each contact."""
+    found = fe_lapjoint.Solver(elements=60).simulate(from_toml(STRIP), 0.2, errors=False)
+    assert len(found.contacts) > 2
+    assert stated_energies(found, 2e-5).value < 2e-6
