@@ -65,7 +65,7 @@ class CurvePicture:
         )
         marks = self.figure.scatter("x", "y", source=self._marks, color="colour", size="size")
         doubts = self.figure.scatter(
-            "x", "y", source=self._doubts, marker="x", size=9, line_width=2, color=COLOURS[6], name="in doubt"
+            "x", "y", source=self._doubts, marker="x", size=9, line_width=2, color="gray", name="in doubt"
         )
         self._drawn: tuple[Any, Any, Any] = lines, marks, doubts
         self._named: list[str] = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import Counter
 from collections.abc import Callable
 from html import escape
 from itertools import accumulate
@@ -164,7 +165,8 @@ class CurveView:
         if self._failed:
             return f"There is no curve. {escape(self._failed)}"
         known, size = len(self._points), len(self._frequencies)
-        doubts = sum(not point.period_multiple for point in self._points.values())
+        outcomes = Counter(point.outcome.lower().replace("_", " ") for point in self._points.values())
+        motions = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
         peaks = [
             (abs(value), self._frequencies[i], name)
             for i, point in self._points.items()
@@ -175,7 +177,7 @@ class CurveView:
             return f"{known} of {size} frequencies."
         value, omega, name = max(peaks)
         largest = f"largest impulse {value:.5g} N s, of {escape(name)} at {frequency_text(omega)}"
-        return f"{known} of {size} frequencies, {doubts} not certified to repeat; {largest}."
+        return f"{known} of {size} frequencies: {motions}; {largest if value else 'no stop is touched'}."
 
     def _clicked(self, number: int) -> None:
         self._choose(self._frequencies[number])

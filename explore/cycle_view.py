@@ -11,6 +11,7 @@ import panel_material_ui as pmui
 from explore import results
 from explore.answers import Answer, Compared, Cycle, CycleFound, Drawn, Failed, Natural
 from explore.computing import Computing
+from explore.curve_picture import PALE
 from explore.cycle_pictures import CyclePictures, as_csv
 from explore.film import Film, scene_of
 from explore.question import Question
@@ -37,6 +38,8 @@ class CycleView:
         self.sketch, self._film = Sketch(sizing_mode=_WIDE), Film(sizing_mode=_WIDE)
         self.sketch.param.watch(lambda event: move(*event.new[:2]), "moved", onlychanged=False)
         self.natural = pn.pane.HTML("", sizing_mode=_WIDE, stylesheets=[results.STYLE])
+        self.first_frequency = 0.0
+        """The lowest natural frequency with all stops open, rad/s; 0 if it is not known."""
         self._number, self._stale = 0, False
         self._problem: Problem | None = None
         self._cycles: dict[str, Cycle] = {}
@@ -59,7 +62,8 @@ class CycleView:
             sizing_mode=_WIDE,
         )
         self._film.param.watch(lambda _: later(lambda: self._pictures.mark(self._film.time), 0), "time")
-        self.view = pmui.Column(self._headline, self._verdict, self._film, pictures, self._tables, sizing_mode=_WIDE)
+        self._below = pmui.Column(self._film, pictures, self._tables, sizing_mode=_WIDE)
+        self.view = pmui.Column(self._headline, self._verdict, self._below, sizing_mode=_WIDE)
 
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
         """Ask for the cycle of a question, whose problem is valid."""
@@ -79,6 +83,7 @@ class CycleView:
             return
         if isinstance(answer, Natural):
             self.natural.object = results.natural_line(answer)
+            self.first_frequency = float(answer.angular_frequencies[0])
             return
         if isinstance(answer, Failed):
             self._failed = answer.message
@@ -107,6 +112,10 @@ class CycleView:
     def _tell(self) -> None:
         outcome = next((f"<p>{cycle.outcome}</p>" for cycle in self._cycles.values()), "")
         line = results.verdict_line(self._compared, self._cycles, self._failed)
+        older = bool(self._tables.object) and not self._cycles
+        self._below.styles = {"opacity": str(PALE if older else 1)}
+        if older and not self._stale:
+            outcome = results.BEFORE
         if self._stale:
             line = results.STALE
         self._verdict.object = f'<div role="status">{line}</div>{outcome}'

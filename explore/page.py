@@ -22,7 +22,7 @@ from explore.cycle_view import CycleView
 from explore.editing import Edit, typed
 from explore.faults import checked
 from explore.form_view import FormView, message_pane, show_messages
-from explore.question import Question, opened, read_back, unpacked, with_range
+from explore.question import RANGE, Question, opened, read_back, unpacked, with_range
 from explore.slider import Turned
 from explore.starts import starts, tables_of
 from lapjoint.errors import InputError
@@ -77,6 +77,7 @@ class Page:
         self._start.param.watch(self._started, "value")
         self._file = pmui.FileInput(label="Open a file", accept=".toml,.json", **_SMALL)
         self._file.param.watch(self._loaded, "value")
+        self._around = pmui.Button(label="Curve around the first of them", on_click=lambda _: self._ranged(), **_SMALL)
         self._elsewhere = pn.pane.HTML("", sizing_mode=_WIDE, stylesheets=[_ELSEWHERE])
 
     def view(self) -> Any:
@@ -89,6 +90,7 @@ class Page:
             self._messages,
             self._cycle.sketch,
             self._cycle.natural,
+            self._around,
             self._form.view,
             sizing_mode=_WIDE,
         )
@@ -147,6 +149,12 @@ class Page:
     def _range(self, first: float, last: float) -> None:
         """Take another range of frequencies, rad/s."""
         self._take(replace(self._question, first=first, last=last), "range")
+
+    def _ranged(self) -> None:
+        """Take the range of frequencies around the lowest natural one."""
+        first = self._cycle.first_frequency
+        if first > 0:
+            self._range(RANGE[0] * first, RANGE[1] * first)
 
     def _started(self, event: Any) -> None:
         """Start from a preset, or a problem of the gallery."""

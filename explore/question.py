@@ -26,7 +26,8 @@ INTERVALS = 400
 STEPS = 10, 4, 1
 """Intervals between the frequencies of the curves that follow each other, which have 41, 101 and 401 of them."""
 RANGE = 0.2, 2.0
-"""First and last frequency of the curve of a problem that is opened, as shares of its own frequency."""
+"""First and last frequency of the curve of a problem that is opened, as shares of its own frequency, or of the lowest
+natural one."""
 LONGEST_LINK = 100_000
 """Most characters of a state in a link; browsers take addresses of this length."""
 MOST_UNPACKED = 4_000_000

@@ -30,6 +30,8 @@ _SAID = {
     Verdict.EXPLAINED: "The solvers differ, and the reason is known",
     Verdict.DISAGREE: "The solvers disagree",
 }
+OWN = "A solver fails a check of its own"
+"""The verdict where the numbers of both solvers agree, and an invariant of one of them does not hold."""
 
 
 def natural_line(natural: Natural) -> str:
@@ -44,10 +46,16 @@ def verdict_line(result: CaseResult | None, cycles: Mapping[str, Cycle], failed:
         return _line("disagree" if cycles else "wait", failed)
     if result is None:
         waiting = "Computing the cycle ..." if not cycles else "The other solver is still computing ..."
-        return _line("wait", waiting)
-    agree = sum(item.verdict is Verdict.AGREE for item in result.items)
-    numbers = f"{agree} of {len(result.items)} comparisons and invariants hold within stated errors"
-    return _line(result.verdict.value, f"{_SAID[result.verdict]}: {numbers}.")
+        slow = any(not cycle.multipliers for cycle in cycles.values())
+        return _line("wait", waiting + " It takes minutes for a motion that does not repeat." * slow)
+    left = [item for item in result.items if item.verdict is not Verdict.AGREE]
+    numbers = (
+        f"{len(result.items) - len(left)} of {len(result.items)} comparisons and invariants hold within stated errors"
+    )
+    own = result.verdict is Verdict.DISAGREE and all(check.verdict is not Verdict.DISAGREE for check in result.checks)
+    lines = "".join(f"<li>{escape(item.line)}</li>" for item in left)
+    said = _line(result.verdict.value, f"{OWN if own else _SAID[result.verdict]}: {numbers}.")
+    return said + (f"<ul>{lines}</ul>" if lines else "")
 
 
 def _line(kind: str, text: str) -> str:
@@ -55,6 +63,7 @@ def _line(kind: str, text: str) -> str:
 
 
 STALE = _line("wait", "The problem is not valid; this is the cycle of the last one that was.")
+BEFORE = "<p>What is below is of the question before.</p>"
 
 
 def tables(result: CaseResult | None, cycles: Mapping[str, Cycle]) -> str:

@@ -104,6 +104,7 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
             show=False,
             start=False,
             verbose=False,
+            title="lapjoint explore",
             use_index=False,
             redirect_root=False,
             unused_session_lifetime_milliseconds=_UNUSED,

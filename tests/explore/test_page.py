@@ -177,7 +177,7 @@ def test_a_problem_of_the_presets_has_its_own_form_and_curve(paper: Visit) -> No
     paper.unfold("left edge")
     expect(paper.field("between")).to_have_value('["upper:0.24", "lower:0"]')
     names = "|".join(re.escape(stop["name"]) for stop in paper.problem["stops"])
-    said = paper.page.get_by_text(re.compile(f"frequencies, .*; largest impulse .* of ({names}) at"))
+    said = paper.page.get_by_text(re.compile(f"frequencies: .*; largest impulse .* of ({names}) at"))
     expect(said).to_be_visible(timeout=1000 * PATIENCE)
 
 
