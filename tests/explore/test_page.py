@@ -332,8 +332,10 @@ LOOK = (
 def test_no_text_lies_on_another_or_is_cut_and_no_barrier_is_serious(
     server: Explored, shown: Browser, width: int, scheme: str, tmp_path: Path
 ) -> None:
-    one: Any = Visit(shown, server.address, width, color_scheme=scheme)
+    one: Any = Visit(shown, server.address, width)
     one.finished()
+    if scheme == "dark":
+        one.press("Toggle theme")
     one.unfold("damping")
     one.unfold("P2")
     one.type(GAP, "wide")
