@@ -410,8 +410,6 @@ def write_coupled(tables: Tables, slot: int, problem: Problem, state: ContactSta
         tables.closed[slot, row] = k in state and k not in state.released
         tables.asleep[slot, row] = k not in state or problem.structure.stops[k].may_pull
     tables.asleep[slot, list(kept_by_force(problem, state))] = True
-    for u in range(tables.idle.shape[1]):
-        tables.idle[slot, u] = tables.asleep[slot, tables.position == u].all()
 
 
 def write_still(tables: Tables, slot: int) -> None:

@@ -126,8 +126,6 @@ class Tables(NamedTuple):
     """Whether each stop is closed, shape ``(S, P)``."""
     asleep: BoolArray
     """Whether each stop may not switch in this state, shape ``(S, P)``; see `analytic.march.coupled`."""
-    idle: BoolArray
-    """Whether no row at a position may switch in this state, shape ``(S, U)``."""
     coupled: BoolArray
     """Whether damping couples the modes of each state, shape ``(S,)``; see `analytic.march.coupled`."""
     twist: FloatArray
@@ -304,7 +302,6 @@ def empty_tables(problem: Problem, harmonics: Harmonics, size: int, slots: int, 
         constant=np.zeros((S, U)),
         closed=np.zeros((S, P), dtype=np.bool_),
         asleep=np.zeros((S, P), dtype=np.bool_),
-        idle=np.zeros((S, U), dtype=np.bool_),
         coupled=np.zeros(S, dtype=np.bool_),
         twist=np.zeros((S, V, 2 * M)),
         gradient=np.zeros((S, V, 2, M)),
@@ -343,6 +340,6 @@ def fill(tables: Tables, slot: int, flat: FlatState) -> None:
     tables.weight[slot, :places, :terms] = flat.weight
     tables.constant[slot, :places] = flat.residual[:, 0]
     tables.closed[slot, :stops] = flat.closed
-    tables.asleep[slot, stops:], tables.idle[slot, places:] = True, True
+    tables.asleep[slot, stops:] = True
     if tables.owner is not None:
         tables.gradient[slot, :places, 0, :n] = flat.weight[:, :n]
