@@ -357,9 +357,8 @@ def coupled_system(base: System, state: ContactState, stops: Sequence[PlacedStop
     given = {field.name: getattr(base, field.name) for field in fields(System)}
     given |= {"state": state, "places": modes.places, "place_of": modes.place_of}
     given["seen"] = np.concatenate([base.seen, base.seen[base.place_of[closed]]])
-    for k in modes.pressing if base.sees_base else ():
-        phi = np.where(base.omega > 0, base.stops[k], 0.0)  # a rigid-body motion is one that no spring holds
-        push -= stops[k].damping * np.outer(phi, 1j * base.driven * base.seen[base.place_of[k]])
+    for k, mode in zip(modes.pressing, modes.bent, strict=True) if base.sees_base else ():
+        push -= stops[k].damping * np.outer(mode, 1j * base.driven * base.seen[base.place_of[k]])
     if base.ramps is not None:
         given["ramps"] = _damped_ramps(base, base.ramps, stops, modes)
     return Coupled(**given, modes=modes, push=push)
@@ -368,9 +367,8 @@ def coupled_system(base: System, state: ContactState, stops: Sequence[PlacedStop
 def _damped_ramps(base: System, ramps: ModalRamps, stops: Sequence[PlacedStop], modes: CoupledModes) -> ModalRamps:
     """The sampled forces with those of dampers that move with the base, of the closed damped stops."""
     push, seen = ramps.base.copy(), ramps.seen[base.place_of[list(modes.closed)]]
-    for k, share in zip(modes.closed, seen, strict=True):
-        if k in modes.pressing:
-            push[:, 1] -= stops[k].damping * share * np.where(base.omega > 0, base.stops[k], 0.0)
+    for k, mode in zip(modes.pressing, modes.bent, strict=True):
+        push[:, 1] -= stops[k].damping * ramps.seen[base.place_of[k]] * mode
     return replace(ramps, base=push, seen=np.concatenate([ramps.seen, seen]))
 
 

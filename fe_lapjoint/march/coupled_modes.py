@@ -34,6 +34,9 @@ class CoupledModes:
     """The closed damped stops."""
     pressing: tuple[int, ...]
     """Those of them that exert a force."""
+    bent: FloatArray
+    """What a damper that exerts a force acts on: its mode, kg^-1/2, without rigid-body motions, which are those that no
+    spring holds; shape ``(len(pressing), n)``."""
     damping: FloatArray
     """Damping matrix, 1/s, shape ``(n, n)``."""
     free: Exponentials
@@ -81,9 +84,9 @@ def _coupled_modes(
         S = transfer(assembly, state.pressed, acting(state))
         own = (S * (2 * own_rates(assembly.problem, eigenmodes(assembly, state.pressed)[0]))) @ S.T
     coupling = np.zeros_like(own) if drag is None else drag
-    for k in pressing:
-        bent = np.where(omega > 0, phi[k], 0.0)  # a rigid-body motion is one that no spring holds
-        coupling += stops[k].damping * np.outer(bent, bent)
+    bent = np.where(omega > 0, phi[pressing], 0.0)
+    for k, mode in zip(pressing, bent, strict=True):
+        coupling += stops[k].damping * np.outer(mode, mode)
     places, P = phi[first], len(stops)
     force_place, row_places = at.copy(), np.full(P + len(damped), -1)
     row_places[:P] = at
@@ -92,6 +95,7 @@ def _coupled_modes(
     return CoupledModes(
         tuple(closed),
         tuple(pressing),
+        bent,
         own + coupling,
         exponentials(omega, own, coupling),
         np.concatenate([places, phi[closed]]),

@@ -50,8 +50,8 @@ DAMPED = (
         "a factor",
         "fe_lapjoint:_coupled_modes",
         "Dampers of stops are a thousandth too strong.",
-        old="stops[k].damping * np.outer(bent, bent)",
-        new="1.001 * stops[k].damping * np.outer(bent, bent)",
+        old="stops[k].damping * np.outer(mode, mode)",
+        new="1.001 * stops[k].damping * np.outer(mode, mode)",
     ),
     Fault(
         "fe-damped-released-at-gap",
