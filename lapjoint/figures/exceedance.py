@@ -96,7 +96,7 @@ def names_in(dataset: xr.Dataset, quantity: str) -> dict[int, str]:
         if not int(dataset[f"{quantity}_count"].sum()):
             raise InputError(f"quantity = {quantity!r}: nothing was touched, so there is nothing to draw")
         return dict(enumerate(dataset.stop_name.values.astype(str).tolist()))
-    if f"{quantity}_count" not in dataset:
+    if f"{quantity}_exceedance" not in dataset:
         raise InputError(f"quantity = {quantity!r}: cycles are counted of a material with [beam.material.fatigue]")
     if not dataset[f"{quantity}_count"].values.any():
         raise InputError(f"quantity = {quantity!r}: there is no stress, so there is nothing to draw")

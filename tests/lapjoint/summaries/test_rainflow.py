@@ -214,7 +214,7 @@ def test_cycles_in_bins_do_the_damage_of_all_cycles_and_are_drawn_where_it_is_la
         drawn = np.isin(found.stress_range_low.values, line.get_xdata())
         assert np.array_equal(line.get_ydata(), beyond[i][drawn])
     with pytest.raises(InputError, match=r"cycles are counted of a material with \[beam.material.fatigue\]"):
-        plot_exceedance(found.drop_vars("stress_range_count"), quantity="stress_range")
+        plot_exceedance(found.drop_vars("stress_range_exceedance"), quantity="stress_range")
 
 
 @pytest.mark.thorough
