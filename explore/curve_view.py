@@ -20,6 +20,7 @@ from explore.curve_picture import CurvePicture, as_csv
 from explore.question import Question, coarse_to_fine
 from lapjoint.campaigns.point import Point
 from lapjoint.errors import InputError
+from lapjoint.figures.curve_features import motion_words
 from lapjoint.figures.text import frequency_text
 from lapjoint.problem import Problem
 
@@ -165,7 +166,7 @@ class CurveView:
         if self._failed:
             return f"There is no curve. {escape(self._failed)}"
         known, size = len(self._points), len(self._frequencies)
-        outcomes = Counter(point.outcome.lower().replace("_", " ") for point in self._points.values())
+        outcomes = Counter(motion_words(point.outcome.lower(), 0, False) for point in self._points.values())
         motions = ", ".join(f"{count} {outcome}" for outcome, count in outcomes.most_common())
         peaks = [
             (abs(value), self._frequencies[i], name)

@@ -114,8 +114,8 @@ class CycleView:
         line = results.verdict_line(self._compared, self._cycles, self._failed)
         older = bool(self._tables.object) and not self._cycles
         self._below.styles = {"opacity": str(PALE if older else 1)}
-        if older and not self._stale:
-            outcome = results.BEFORE
         if self._stale:
             line = results.STALE
+        elif older:
+            outcome = results.BEFORE
         self._verdict.object = f'<div role="status">{line}</div>{outcome}'

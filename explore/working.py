@@ -16,8 +16,6 @@ from lapjoint.solver import Progress
 
 _BEHIND = 15
 """By how much the cycle gives way to the curve, as ``nice`` counts: the curve is looked at first."""
-
-
 _AFTER = 0.3
 """Time for which the cycle lets the curve go first, s: the first curve takes about as long, and who turns a slider asks
 for another cycle meanwhile."""
