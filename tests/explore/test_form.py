@@ -7,11 +7,14 @@ from functools import partial
 from typing import Any
 
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 import explore.form
 from explore.editing import added, changed_kind, removed, typed
 from explore.faults import at_fields, checked
 from explore.form import Field, Group, Listing, all_parts, form_of, number_text
+from explore.page import Page
 from explore.question import Question, opened
 from explore.starts import starts, tables_of
 from lapjoint import InputError, paper_joint
@@ -132,3 +135,13 @@ def test_a_change_of_another_problem_fits_or_is_refused_in_a_message() -> None:
                 except InputError:
                     refused += 1
     assert refused
+
+
+def test_a_page_takes_no_change_of_what_is_gone() -> None:
+    first = opened(problem_tables(paper_joint()))
+    with set_curdoc(Document()):
+        page = Page(first)
+        page._edit(partial(typed, path="stops.7.gap", text="0.002"), "stops.7.gap")
+        assert page._question == first
+        page._edit(partial(typed, path="stops.3.gap", text="0.002"), "stops.3.gap")
+    assert page._question.tables["stops"][3]["gap"] == 0.002
