@@ -16,10 +16,10 @@ from validation.references.panels import gauss_panels
 _PANELS_X = 24  # Least number of panels along the beam: two for each half wave of the twelfth mode
 _POINTS = 12  # Gauss points in a panel of time
 _HALVINGS = 7
-"""Number of halvings of the panels in time that a long motion may take."""
+"""Number of halvings of the panels in time that any motion may take."""
 _MOST_PANELS = 4096
-"""Number of panels up to which a short motion may take more: in a millisecond of contact the modes of a fine mesh turn
-a thousand times."""
+"""Number of panels up to which the panels of a short motion are halved further: in a millisecond of contact the modes
+of a fine mesh turn a thousand times."""
 
 
 def panels(breaks: FloatArray, per_panel: float, pieces: int = 1) -> tuple[FloatArray, FloatArray]:
@@ -63,7 +63,8 @@ def first_panel(history: History) -> float:
 def time_integral(
     function: Callable[[FloatArray], FloatArray], breaks: FloatArray, history: History, tolerance: float, scale: float
 ) -> float:
-    """Integral over time by Gauss panels, halved until three results differ by less than a tenth of the tolerance.
+    """Integral over time by Gauss panels, halved until three results differ by less than a tenth of the tolerance, or
+    until there are `_MOST_PANELS`.
 
     Two results may agree by chance while fast modes ring.  Panels end at the knots of a record, between which motions
     are smooth.
