@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from browser import BROWSER
+from open_page import until
 from playwright.sync_api import Browser, Error, Locator, Page, expect, sync_playwright
 
 from explore.question import Question, unpacked
@@ -165,10 +165,7 @@ class Visit:
 
     def until(self, true: Callable[[], bool], patience: float = 30.0) -> None:
         """Wait until something holds of the page."""
-        end = time.monotonic() + patience
-        while not true():
-            assert time.monotonic() < end, self.page.locator("[role=status], [role=alert]").all_inner_texts()
-            self.page.wait_for_timeout(50)
+        until(self.page, true, patience)
 
     def finished(self, verdict: str = "The solvers agree") -> None:
         """Wait for the whole curve, and the verdict on the cycle."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from queue import Queue
@@ -23,10 +24,13 @@ def served(make: Callable[[], Any]) -> Iterator[str]:
 
     pn.extension(inline=True)
     running: Queue[Any] = Queue()
+    streams: list[Any] = []
 
     def run() -> None:
         asyncio.set_event_loop(loop := asyncio.new_event_loop())
         server = pn.serve({"page": make}, address="127.0.0.1", port=0, show=False, start=False, verbose=False)
+        serve = server._http.handle_stream
+        server._http.handle_stream = lambda stream, peer: (streams.append(stream), serve(stream, peer))[1]
         server.start()
         running.put(server)
         server.io_loop.start()
@@ -40,7 +44,8 @@ def served(make: Callable[[], Any]) -> Iterator[str]:
         while any(session.connection_count for session in server.get_sessions()):  # a socket of a browser that closes
             await asyncio.sleep(0.01)
         server.stop()
-        await server._http.close_all_connections()
+        for stream in streams:  # tornado's own `close_all_connections` leaves out those that became web sockets
+            stream.close()
         server.io_loop.stop()
 
     try:
@@ -62,6 +67,14 @@ def open_page(make: Callable[[], Any], width: int = WIDE, **options: Any) -> Ite
         yield page
         browser.close()
     assert not errors
+
+
+def until(page: Page, true: Callable[[], Any], patience: float = 30.0) -> None:
+    """Wait until something holds, and fail with it if it does not within `patience`, s."""
+    end = time.monotonic() + patience
+    while not true():
+        assert time.monotonic() < end, page.locator("[role=status], [role=alert]").all_inner_texts()
+        page.wait_for_timeout(50)
 
 
 def centre(one: Locator) -> tuple[float, float]:

@@ -29,7 +29,8 @@ pytest.importorskip("distributed")
 JOINT = paper_joint()
 AXES = [Axis(FREQUENCY, range(100, 140))]
 forgets = pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning")
-"""Of tests whose cluster dies: dask forgets a connection that it is making to a worker meanwhile."""
+"""Of tests whose cluster dies: dask forgets a connection that it is making to a worker meanwhile.  They collect the
+garbage themselves: a later test would have to answer for it."""
 
 
 class Cluster(NamedTuple):
@@ -240,6 +241,7 @@ def test_answers_that_are_lost_with_their_workers_are_not_waited_for(
         patched.setattr(Client, "gather", too_late)
         with pytest.raises(SolverError, match="all workers of the scheduler are gone"):
             sweep(JOINT, AXES, scheduler=doomed.address, **given)
+    gc.collect()
     found = sweep(JOINT, AXES, scheduler=cluster.address, **given)
     assert (found.outcome.values == 1).all()
 
