@@ -41,7 +41,9 @@ class CurveView:
     choose : callable
         Called with a frequency that was clicked, rad/s.
     turn : callable
-        Called with another range of frequencies, rad/s.
+        Called with another range of frequencies, in the unit of the page.
+    turn_unit : callable
+        Called with whether frequencies shall be in Hz.
     later : callable
         Calls a function after a time, ms, when the models of pictures may be changed.
     """
@@ -50,6 +52,7 @@ class CurveView:
         self,
         choose: Callable[[float], None],
         turn: Callable[[float, float], None],
+        turn_unit: Callable[[bool], None],
         later: Callable[[Callable[[], None], int], Any],
     ) -> None:
         self._choose, self._turn, self._later = choose, turn, later
@@ -60,7 +63,7 @@ class CurveView:
         self._stops: tuple[str, ...] = ()
         self._sizes: list[int] = []
         """Numbers of points of the curves that follow each other."""
-        self._range = 0.0, 0.0
+        self._ends, self._unit = (0.0, 0.0), ""
         self._failed, self._stale = "", False
         self._asked, self._drawn, self._waits = 0.0, 0.0, False
         self._picture = CurvePicture(self._clicked)
@@ -70,15 +73,25 @@ class CurveView:
         self._hz = pmui.Switch(label="Hz")
         for one in (self._first, self._last):
             one.param.watch(self._ranged, "value")
-        self._hz.param.watch(lambda _: later(self._in_other_unit, 0), "value")
+        self._hz.param.watch(lambda event: turn_unit(event.new), "value")
         ranges = pmui.Row(self._first, self._last, self._hz, sizing_mode=_WIDE)
         picture = pn.pane.Bokeh(self._picture.figure, sizing_mode=_WIDE)
         self.view = pmui.Column(picture, self._summary, ranges, sizing_mode=_WIDE)
 
+    def show(self, question: Question) -> None:
+        """Show the range of frequencies of a question, in its unit."""
+        (name, size), self._ends = question.unit, (question.first, question.last)
+        self._hz.value = question.hz
+        for one, label, value in zip((self._first, self._last), ("from", "to"), self._ends, strict=True):
+            one.param.update(label=f"{label} [{name}]", value=repr(value), error_state=False, helper_text="")
+        if name != self._unit:
+            self._unit = name
+            self._picture.in_unit(name, size)
+            self._picture.show(self._frequencies, self._points, self._stops)
+
     def ask(self, question: Question, problem: Problem, computing: Computing) -> None:
         """Ask for the curve of a question, whose problem is valid, unless it is the one that was asked last."""
-        self._stale, self._range = False, (question.first, question.last)
-        self._show_range()
+        self._stale = False
         try:
             plan = question.plan(problem)
             key = plan.grid.problem_at(0), plan.grid.axes
@@ -183,29 +196,17 @@ class CurveView:
     def _clicked(self, number: int) -> None:
         self._choose(self._frequencies[number])
 
-    def _unit(self) -> tuple[str, float]:
-        """The unit of frequencies on the page, and its size in rad/s."""
-        return ("Hz", 2 * math.pi) if self._hz.value else ("rad/s", 1.0)
-
-    def _in_other_unit(self) -> None:
-        self._show_range()
-        self._draw()
-
-    def _show_range(self) -> None:
-        name, size = self._unit()
-        for one, label, value in zip((self._first, self._last), ("from", "to"), self._range, strict=True):
-            text = repr(value) if size == 1.0 else f"{value / size:.6g}"
-            one.param.update(label=f"{label} [{name}]", value=text, error_state=False, helper_text="")
-        self._picture.in_unit(name, size)
-
     def _ranged(self, event: Any) -> None:
         """Take another end of the range; what is no number is refused at its field."""
-        (name, size), i = self._unit(), (self._first, self._last).index(event.obj)
         try:
-            value = float(event.new) * size
+            value = float(event.new)
         except ValueError:
-            event.obj.param.update(error_state=True, helper_text=f"{event.new!r}: must be a number, in {name}")
+            text = f"{event.new!r}: must be a number, in {self._unit}"
+            event.obj.param.update(error_state=True, helper_text=text)
             return
-        if abs(value - self._range[i]) > 1e-5 * abs(self._range[i]) or (size == 1.0 and value != self._range[i]):
-            first, last = (value if k == i else end for k, end in enumerate(self._range))
+        if value != self._ends[(self._first, self._last).index(event.obj)]:
+            first, last = (
+                value if one is event.obj else end
+                for one, end in zip((self._first, self._last), self._ends, strict=True)
+            )
             self._turn(first, last)

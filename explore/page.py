@@ -22,7 +22,7 @@ from explore.cycle_view import CycleView
 from explore.editing import Edit, typed
 from explore.faults import checked
 from explore.form_view import FormView, message_pane, show_messages
-from explore.question import RANGE, Question, opened, read_back, unpacked, with_range
+from explore.question import Question, opened, read_back, unpacked, with_range
 from explore.slider import Turned
 from explore.starts import starts, tables_of
 from lapjoint.errors import InputError
@@ -63,7 +63,7 @@ class Page:
         self._changed = "", 0.0
         """The path that was changed last, and when, s of the monotonic clock."""
         self._form, self._slider = FormView(self._edit), Turned(self._edit)
-        self._curve = CurveView(self._choose, self._range, self._document.add_timeout_callback)
+        self._curve = CurveView(self._choose, self._range, self._in_unit, self._document.add_timeout_callback)
         self._cycle = CycleView(self._moved, self._document.add_timeout_callback)
         self._make_widgets()
         self._show_question()
@@ -147,33 +147,36 @@ class Page:
             self._take(self._question.at_frequency(omega), "frequency")
 
     def _range(self, first: float, last: float) -> None:
-        """Take another range of frequencies, rad/s."""
+        """Take another range of frequencies, in the unit of the page."""
         self._take(replace(self._question, first=first, last=last), "range")
+
+    def _in_unit(self, hz: bool) -> None:
+        """Take frequencies in Hz, or in rad/s."""
+        self._take(self._question.in_unit(hz), "unit")
 
     def _ranged(self) -> None:
         """Take the range of frequencies around the lowest natural one."""
-        first = self._cycle.first_frequency
-        if first > 0:
-            self._range(RANGE[0] * first, RANGE[1] * first)
+        if self._cycle.first_frequency > 0:
+            self._take(self._question.around(self._cycle.first_frequency), "range")
 
     def _started(self, event: Any) -> None:
         """Start from a preset, or a problem of the gallery."""
         if event.new:
-            self._take(opened(tables_of(event.new), self._question.folder), event.new)
+            self._take(opened(tables_of(event.new), self._question.folder, self._question.hz), event.new)
             self._start.value = ""
 
     def _loaded(self, event: Any) -> None:
         """Open a file: a problem, or a state that a page saved."""
         if not event.new:
             return
-        name, folder = str(self._file.filename), self._question.folder
+        name, folder, hz = str(self._file.filename), self._question.folder, self._question.hz
         if len(event.new) > LARGEST:
             self.refuse(f"{name}: has {len(event.new) / 1e6:.3g} MB; at most {LARGEST / 1e6:g} MB are opened")
             return
         try:
             text = event.new.decode("utf-8-sig")
             question = (
-                read_back(text, folder) if name.endswith(".json") else opened(tables_from_toml(text, name), folder)
+                read_back(text, folder) if name.endswith(".json") else opened(tables_from_toml(text, name), folder, hz)
             )
         except UnicodeDecodeError:
             self.refuse(f"{name}: is not a text file in UTF-8")
@@ -245,6 +248,7 @@ class Page:
         tables = question.tables
         self._form.show(tables, found.faults, found.hints)
         self._slider.show(tables)
+        self._curve.show(question)
         show_messages(self._messages, self._form.general, bool(found.faults))
         self._back.disabled, self._again.disabled = not self._undo, not self._redo
         location, search = pn.state.location, f"?{STATE}={question.packed()}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import shlex
 import zlib
 from collections.abc import Mapping
@@ -28,6 +29,8 @@ STEPS = 10, 4, 1
 RANGE = 0.2, 2.0
 """First and last frequency of the curve of a problem that is opened, as shares of its own frequency, or of the lowest
 natural one."""
+DIGITS = 6
+"""Significant digits of the ends of a range that no person typed."""
 LONGEST_LINK = 100_000
 """Most characters of a state in a link; browsers take addresses of this length."""
 MOST_UNPACKED = 4_000_000
@@ -41,11 +44,32 @@ class Question:
     problem: str
     """The problem as TOML; its own excitation frequency is that of the cycle that is shown."""
     first: float
-    """First excitation frequency of the curve, rad/s."""
+    """First excitation frequency of the curve, in `unit`."""
     last: float
-    """Last excitation frequency of the curve, rad/s."""
+    """Last excitation frequency of the curve, in `unit`."""
     folder: str = "."
     """Folder from which files of samples are looked for."""
+    hz: bool = False
+    """Whether the frequencies of the curve are in Hz; else they are in rad/s."""
+
+    @property
+    def unit(self) -> tuple[str, float]:
+        """The unit of the frequencies of the curve, and its size in rad/s."""
+        return ("Hz", 2 * math.pi) if self.hz else ("rad/s", 1.0)
+
+    def in_unit(self, hz: bool) -> Question:
+        """The question with frequencies in Hz, or in rad/s; another unit rounds them to `DIGITS`."""
+        made = replace(self, hz=hz)
+        return self if hz == self.hz else made.over(self.first * self.unit[1], self.last * self.unit[1])
+
+    def over(self, first: float, last: float) -> Question:
+        """The question with another range of frequencies, given in rad/s."""
+        first, last = (float(f"{value / self.unit[1]:.{DIGITS}g}") for value in (first, last))
+        return replace(self, first=first, last=last)
+
+    def around(self, omega: float) -> Question:
+        """The question with the `RANGE` of an angular frequency, rad/s."""
+        return self.over(*(share * omega for share in RANGE))
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -64,8 +88,9 @@ class Question:
         """The sweep whose points are the curve, from the problem that was `made`; an `InputError` if there is none."""
         problem.require_excitation_frequency("curve")
         if not self.last > self.first:
-            raise InputError(f"to = {self.last:g} rad/s: must be greater than from, {self.first:g} rad/s")
-        return Plan(Grid(problem, (Axis(FREQUENCY, frequencies(self.first, self.last, self._step)),)))
+            name = self.unit[0]
+            raise InputError(f"to = {self.last:g} {name}: must be greater than from, {self.first:g} {name}")
+        return Plan(Grid(problem, (Axis(FREQUENCY, frequencies(self.first, self.last, self._step, self.hz)),)))
 
     @property
     def _step(self) -> float:
@@ -77,9 +102,10 @@ class Question:
 
     def commands(self, file: str) -> tuple[str, ...]:
         """The commands that compute what the page shows of the problem in a file."""
-        name = shlex.quote(file)
+        name, unit = shlex.quote(file), " --hz" if self.hz else ""
+        ends = f"--from {self.first!r} --to {self.last!r} --step {self._step!r}"
         return (
-            f"lapjoint sweep {name} --from {self.first!r} --to {self.last!r} --step {self._step!r} --out curve.nc",
+            f"lapjoint sweep {name}{unit} {ends} --out curve.nc",
             f"lapjoint steady {name}",
             f"lapjoint validate {name} --case steady --quick",
         )
@@ -90,12 +116,12 @@ class Question:
 
     def written(self) -> str:
         """The question as the text of a file."""
-        return json.dumps({"problem": self.problem, "from": self.first, "to": self.last}, indent=1)
+        return json.dumps({"problem": self.problem, "from": self.first, "to": self.last, "hz": self.hz}, indent=1)
 
 
-def opened(tables: Mapping[str, Any], folder: str = ".") -> Question:
+def opened(tables: Mapping[str, Any], folder: str = ".", hz: bool = False) -> Question:
     """The first question about a problem, which need not be valid: the curve covers `RANGE` of its frequency."""
-    question = Question(tomli_w.dumps(tables), 0.0, 0.0, folder)
+    question = Question(tomli_w.dumps(tables), 0.0, 0.0, folder, hz)
     try:
         return with_range(question, question.made())
     except InputError:
@@ -107,7 +133,7 @@ def with_range(question: Question, problem: Problem | None) -> Question:
     omega = None if problem is None else problem.excitation_frequency
     if question.last or omega is None:
         return question
-    return replace(question, first=RANGE[0] * omega, last=RANGE[1] * omega)
+    return question.around(omega)
 
 
 def coarse_to_fine(size: int) -> list[list[int]]:
@@ -139,10 +165,11 @@ def read_back(text: str, folder: str = ".") -> Question:
     """The question in the text of a file, as `Question.written` writes it; an `InputError` if it is none."""
     try:
         state = json.loads(text)
-        if not isinstance(state["problem"], str):
+        hz = state.get("hz", False)
+        if not isinstance(state["problem"], str) or not isinstance(hz, bool):
             raise ValueError
-        question = Question(state["problem"], float(state["from"]), float(state["to"]), folder)
-    except (ValueError, TypeError, KeyError, RecursionError, OverflowError):
+        question = Question(state["problem"], float(state["from"]), float(state["to"]), folder, hz)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError, OverflowError):
         raise InputError("the state: is not whole, or was not written by this page") from None
     _ = question.tables
     return question

@@ -6,6 +6,7 @@ import base64
 import random
 import zlib
 
+import numpy as np
 import pytest
 
 from explore.editing import removed
@@ -23,8 +24,9 @@ def paper() -> Question:
 
 def test_a_link_and_a_file_bring_the_same_question_back() -> None:
     asked = paper().with_tables({"title": "no joint, with an umlaut: ä", "stops": [{"gap": "0,4e-3"}]})
-    assert unpacked(asked.packed()) == asked
-    assert read_back(asked.written()) == asked
+    for one in (asked, asked.in_unit(hz=True)):
+        assert unpacked(one.packed()) == one
+        assert read_back(one.written()) == one
     assert asked.packed().replace("-", "").replace("_", "").isalnum()
 
 
@@ -55,12 +57,24 @@ def test_curves_become_finer_and_hold_each_frequency_once() -> None:
     assert sorted(i for stage in stages for i in stage) == list(range(401))
 
 
-def test_the_curve_is_the_sweep_that_the_command_says() -> None:
-    asked = paper()
+@pytest.mark.parametrize("hz", [False, True])
+def test_the_curve_is_the_sweep_that_the_command_says(hz: bool) -> None:
+    asked = paper().in_unit(hz)
     words = asked.commands("my joint.toml")[0].split()
     first, last, step = (float(words[words.index(name) + 1]) for name in ("--from", "--to", "--step"))
-    assert asked.plan(asked.made()).grid.axes[0].values == frequencies(first, last, step)
+    assert ("--hz" in words) == hz
+    assert asked.plan(asked.made()).grid.axes[0].values == frequencies(first, last, step, hz)
     assert "'my joint.toml'" in asked.commands("my joint.toml")[0]
+
+
+def test_another_unit_keeps_six_digits_of_a_range() -> None:
+    for first, last in np.random.default_rng(0).uniform(0.1, 1e4, (200, 2)).tolist():
+        asked = Question("", first, last)
+        turned = asked.in_unit(hz=True)
+        assert [2 * np.pi * value for value in (turned.first, turned.last)] == pytest.approx([first, last], rel=5e-6)
+        assert turned.in_unit(hz=True) == turned
+        back = turned.in_unit(hz=False)
+        assert [back.first, back.last] == pytest.approx([first, last], rel=1e-5)
 
 
 def test_a_frequency_that_is_chosen_on_the_curve_is_that_of_the_problem() -> None:
@@ -79,5 +93,7 @@ def test_a_problem_without_excitation_has_no_curve_and_says_why() -> None:
 
 def test_a_range_that_is_none_is_refused() -> None:
     asked = Question(paper().problem, 500.0, 100.0)
-    with pytest.raises(InputError, match="to = 100 rad/s: must be greater than from"):
+    with pytest.raises(InputError, match="to = 100 rad/s: must be greater than from, 500 rad/s"):
         asked.plan(asked.made())
+    with pytest.raises(InputError, match=r"to = 15\.9155 Hz: must be greater than from, 79\.5775 Hz"):
+        asked.in_unit(hz=True).plan(asked.made())
