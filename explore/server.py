@@ -10,6 +10,7 @@ import webbrowser
 from typing import Any
 
 import panel as pn
+from panel.io.resources import get_dist_path
 
 from explore.computing import Computing
 from explore.page import Page, here, question_in
@@ -80,6 +81,7 @@ def serve(question: Question, port: int = 0, *, browse: bool = True, say: Any = 
     token, processes = secrets.token_urlsafe(16), Processes()
 
     def opened() -> Any:
+        here().template_variables["dist_url"] = get_dist_path(cdn=False)  # Panel sets it too late for a slow browser
         search = "" if pn.state.location is None else pn.state.location.search
         page = Page(question_in(search, question))
 

@@ -6,10 +6,12 @@ import csv
 import json
 import math
 import re
+import time
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from command_line import run, run_well
 from explored import PATIENCE, WALK, Explored, Visit, browser, exploring
 from playwright.sync_api import Browser, expect
 
-from explore.question import opened
+from explore.question import opened, read_back
 from lapjoint import paper_joint
 from lapjoint.problem.example import commented_example
 from lapjoint.problem.files import problem_tables, read_problem
@@ -69,6 +71,17 @@ def test_a_page_shows_curve_cycle_and_verdict_and_asks_no_other_machine(server: 
     assert kept.page.title()
     assert kept.page.locator("canvas").count() > 3
     assert next(iter(kept.tables())).startswith("Impulse per excitation period")
+
+
+def test_a_browser_that_takes_its_time_asks_no_other_machine(server: Explored, shown: Browser) -> None:
+    """Its page is given up before its scripts are there, and made again."""
+    page, asked = shown.new_page(), set()
+    page.on("request", lambda one: asked.add(urlsplit(one.url).netloc))
+    page.route("**/bokeh.min.js*", lambda route: (time.sleep(7), route.continue_()))
+    page.goto(f"{server.address}?state={FIRST.in_unit(hz=True).packed()}")
+    expect(page.get_by_role("textbox", name="from [Hz]")).to_be_visible()
+    page.close()
+    assert asked <= {f"127.0.0.1:{server.port}", ""}
 
 
 def test_each_kind_of_field_changes_the_problem(paper: Visit) -> None:
@@ -128,6 +141,23 @@ def test_a_click_on_the_curve_chooses_one_of_its_frequencies_to_the_bit(paper: V
         paper.until(lambda omega=omegas[i]: paper.problem["base_motion"]["angular_frequency"] == omega)  # type: ignore[misc]
         assert float(paper.field("angular_frequency [rad/s]").input_value()) == omegas[i]
         assert f"Cycle at {omegas[i]:.4g}"[:12] in paper.page.get_by_role("heading", name="Cycle at").inner_text()
+
+
+def test_hertz_are_kept_by_link_state_and_command(server: Explored, shown: Browser, tmp_path: Path) -> None:
+    one = Visit(shown, server.address)
+    one.page.get_by_label("Hz", exact=True).check()
+    one.until(lambda: one.state == FIRST.in_unit(hz=True))
+    one.type("from [Hz]", "20")
+    expect(one.page.get_by_text("sweep problem.toml --hz --from 20.0 --to")).to_be_visible()
+    one.type("to [Hz]", "10")
+    expect(one.page.get_by_text("to = 10 Hz: must be greater than from, 20 Hz")).to_be_visible()
+    assert read_back(one.save("Save the state", tmp_path).read_text(encoding="utf-8")) == one.state
+    one.page.goto(one.address)
+    expect(one.field("from [Hz]")).to_have_value("20.0")
+    one.start("Lap joint of two plates")
+    one.until(lambda: "beams" in one.problem)
+    assert one.state.hz
+    one.close()
 
 
 def test_undo_and_redo_by_keys(paper: Visit) -> None:
