@@ -149,7 +149,8 @@ def _numbers(blocks: Mapping[str, Sequence[Block]]) -> Iterator[tuple[str, str, 
             unit = re.search(r"\[(.*)\]", pair.label or title)
             what = re.sub(r" \[.*", "", pair.label) or re.sub(r" \[.*\]", "", title)
             at = f"at {pair.where}" if pair.label and not pair.where.startswith(LARGEST) else pair.where
-            for i, head in enumerate(heads):
+            apart = len({row.where for row in pair.rows if row is not None}) > 1
+            for i, head in enumerate(heads[:1] if apart else heads):  # of two places only the largest value is one
                 numbers = [row.numbers[i] for row in pair.rows if row is not None and i < len(row.numbers)]
                 found = [n for n in numbers if n is not None and not (n.error is None and n.interval is None)]
                 if len(found) == len(pair.rows):
