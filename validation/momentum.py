@@ -198,8 +198,8 @@ def _balance(history: History, body: _Body, tolerance: float) -> list[Criterion]
         amount = float(np.abs(ends).sum() + np.abs(stops).sum())
         scale = max(amount, _BALANCED * body.half**turning * momentum, 1e-300)
         momentum = max(momentum, amount)
-        given = time_integral(force, breaks, history, tolerance, scale) + sum(stops)
-        left = float(ends[1] - ends[0] - given) / scale
+        given, unsure = time_integral(force, breaks, history, tolerance, scale)
+        left, allowed = float(ends[1] - ends[0] - given - sum(stops)) / scale, tolerance + unsure / scale
         reason = "quadrature and truncation, by the stated impulses"
-        found.append(Criterion(f"{name}{body.name} unaccounted for", "1", left, -tolerance, tolerance, reason))
+        found.append(Criterion(f"{name}{body.name} unaccounted for", "1", left, -allowed, allowed, reason))
     return found

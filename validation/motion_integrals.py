@@ -62,11 +62,11 @@ def first_panel(history: History) -> float:
 
 def time_integral(
     function: Callable[[FloatArray], FloatArray], breaks: FloatArray, history: History, tolerance: float, scale: float
-) -> float:
-    """Integral over time by Gauss panels, halved until three results differ by less than a tenth of the tolerance, or
-    until there are `_MOST_PANELS`.
+) -> tuple[float, float]:
+    """Integral over time by Gauss panels, halved until four results differ by less than a tenth of the tolerance, or
+    until there are `_MOST_PANELS`; and by how much the last four differ, which it leaves open.
 
-    Two results may agree by chance while fast modes ring.  Panels end at the knots of a record, between which motions
+    Fewer results may agree by chance while fast modes ring.  Panels end at the knots of a record, between which motions
     are smooth.
     """
     breaks = np.unique(np.concatenate([breaks, _knots(history, float(breaks[0]), float(breaks[-1]))]))
@@ -74,10 +74,10 @@ def time_integral(
     while halvings <= _HALVINGS or 2 * points <= _POINTS * _MOST_PANELS:
         t, w = panels(breaks, first_panel(history), 2**halvings)
         values.append(float(function(t) @ w))
-        if np.ptp(values[-3:]) <= 0.1 * tolerance * scale:
+        if np.ptp(values[-4:]) <= 0.1 * tolerance * scale:
             break
         halvings, points = halvings + 1, t.size
-    return values[-1]
+    return values[-1], float(np.ptp(values[-4:]))
 
 
 def _knots(history: History, start: float, end: float) -> FloatArray:

@@ -75,8 +75,8 @@ def _impulses_per_period(found: SteadyState, tolerance: float) -> Criterion:
     periods = max(found.period_multiple, 1)
     worst = 0.0
     for k, impulse in enumerate(found.impulses):
-        area = impulse_of(k, breaks, history, tolerance, largest * periods)
-        worst = max(worst, abs(area / periods - float(impulse)))
+        area, unsure = impulse_of(k, breaks, history, tolerance, largest * periods)
+        worst = max(worst, abs(area / periods - float(impulse)) - unsure / periods)
     return Criterion("impulse per period against the force law", "1", worst / largest, 0.0, tolerance, "quadrature")
 
 
