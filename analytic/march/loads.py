@@ -94,6 +94,9 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
         for stop in (problem.structure.stops[i] for i in state.closed if shape == MOVED_STOPS):
             if stop.in_space:
                 add(row, stop.shape, -stop.stiffness * stop.base_share)
+    for support in problem.structure.supports:
+        if math.isinf(support.translational):  # a fixed point does not move, and the modes are there 0 but for rounding
+            total.concentrated[:, np.argmin(np.abs(nodes - support.x))] = 0.0
     return total
 
 

@@ -11,7 +11,7 @@ import analytic
 from analytic.march import Coordinates, Joint, march, march_linearised
 from analytic.march.initial_state import started
 from analytic.mode_count import default_count, truncation_error
-from lapjoint import ModalDamping, ViscousDamping, paper_joint
+from lapjoint import ModalDamping, SineLoad, Support, ViscousDamping, paper_joint
 from lapjoint.problem import FloatArray
 
 pytestmark = pytest.mark.long_march
@@ -97,3 +97,12 @@ def test_with_the_most_modes_there_are_no_error_is_stated() -> None:
     found = analytic.Solver(n_modes=480).simulate(paper_joint(), 1e-3)
     assert "500 modes are the most" in found.error_source
     assert all(contact.impulse_error == math.inf for contact in found.contacts)
+
+
+def test_a_force_on_a_fixed_point_moves_nothing() -> None:
+    held = paper_joint().replace(
+        base_motion=None, supports=(*paper_joint().supports, Support(x=2.5, translational=math.inf))
+    )
+    pushed = held.replace(point_loads=(SineLoad(x=2.5, force=1e5, angular_frequency=500.0),))
+    history = analytic.Solver(n_modes=10).simulate(pushed, 0.05, errors=False)
+    assert not history.displacement(np.linspace(0, 2.5, 9), np.linspace(0, 0.05, 50)).any()
