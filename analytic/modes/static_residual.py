@@ -145,7 +145,10 @@ def _coupled(layout: Layout, solutions: Solutions, constant: FloatArray, right_h
         if it.derivative == 0:
             first, second = (node if layout.has_span(node) else node - 1 for node in (it.first, it.second))
             every[waves + i] = -balances[i] * (constant[:, second] - constant[:, first])
-    return np.asarray(np.linalg.solve(matrix, every)[:waves].T)
+    found = np.linalg.solve(matrix, every)
+    left = every - matrix.astype(np.longdouble) @ found
+    found += np.linalg.solve(matrix, left.astype(float))  # takes out what elimination loses beside stiff springs
+    return np.asarray(found[:waves].T)
 
 
 def _constants(layout: Layout, values: FloatArray, length: float) -> BeamFunctions:

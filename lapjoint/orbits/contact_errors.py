@@ -26,6 +26,7 @@ from lapjoint.orbits.compiled_intervals import IndexArray
 from lapjoint.orbits.force_breaks import cut, undecided_breaks
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
+from lapjoint.problem.supports_and_stops import forces_at_gaps
 
 PARTED = 0.1
 """Largest time between partners, divided by the time to the stop's nearest other contact, of motions that have not
@@ -63,7 +64,10 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         bounds = refinement.bounds(values, np.maximum.accumulate(finite), dt=dt)
         errors.append(np.where(together, bounds, np.inf))
     sizes = [(one.end, abs(one.impulse), one.peak_force, abs(one.dissipated)) for one in history.contacts]
-    floors = ROUNDING * np.maximum.accumulate(np.array(sizes).reshape(-1, 4)).T
+    largest = np.maximum.accumulate(np.array(sizes).reshape(-1, 4)).T
+    held = forces_at_gaps(history.problem.structure.stops)[[one.stop for one in history.contacts]]
+    largest[1:3] += np.stack([held * [one.duration for one in history.contacts], held])
+    floors = ROUNDING * largest
     contacts = with_errors(history, *(error + floor for error, floor in zip(errors, floors, strict=True)))
     source = f"compared with {refinement.name}"
     if breaks.size:

@@ -27,6 +27,7 @@ from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
 from lapjoint.orbits.period_map import PeriodMap
 from lapjoint.orbits.refinement import ROUNDING, Refinement
 from lapjoint.problem import FloatArray
+from lapjoint.problem.supports_and_stops import forces_at_gaps
 
 FARTHEST = 0.5
 """Largest residual of the adopted section point, divided by the size of the motion, from which Newton's method is
@@ -119,7 +120,8 @@ def _impulse_errors(orbit: Orbit, history: History, finer: History, refinement: 
     touched[[contact.stop for motion in (history, finer) for contact in motion.contacts]] = True
     apart = own - other
     errors = refinement.bounds(apart, float(np.abs(apart).max(initial=0.0)))
-    errors += floor * float(np.abs(own).max(initial=0.0))
+    lasts = (history.end - history.start) / orbit.period_multiple
+    errors += floor * (float(np.abs(own).max(initial=0.0)) + forces_at_gaps(history.problem.structure.stops) * lasts)
     clear = _clear(orbit, history, finer, refinement, np.flatnonzero(~touched).tolist())
     errors[~touched] = np.where(clear, 0.0, np.inf)
     return errors
@@ -166,8 +168,10 @@ def _with_contact_errors(
         refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)), dt=dt)
         for values, dt in ((found.start, 0), (found.impulse, 0), (found.peak_force, 0), (found.dissipated, OF_ENERGY))
     )
-    impulse += floor * max((abs(contact.impulse) for contact in whole), default=0.0)
-    peak += floor * max((contact.peak_force for contact in whole), default=0.0)
+    held = forces_at_gaps(history.problem.structure.stops)[[contact.stop for contact in whole]]
+    lasts = np.array([contact.duration for contact in whole])
+    impulse += floor * (max((abs(contact.impulse) for contact in whole), default=0.0) + held * lasts)
+    peak += floor * (max((contact.peak_force for contact in whole), default=0.0) + held)
     dissipated += floor * max((abs(contact.dissipated) for contact in whole), default=0.0)
     start += floor * period
     contacts = with_errors(history, start[number], impulse[number], peak[number], dissipated[number])

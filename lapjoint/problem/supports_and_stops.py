@@ -154,3 +154,12 @@ def readings(stops: Sequence[PlacedStop]) -> tuple[FloatArray, FloatArray]:
         for position, factor in stop.reading:
             factors[k, np.searchsorted(x, position)] = factor
     return x, factors
+
+
+def forces_at_gaps(stops: Sequence[PlacedStop]) -> FloatArray:
+    """The force of each stop at a penetration as large as its gap, N, shape ``(stops,)``.
+
+    A force is the stiffness times the difference of displacement and gap, so that rounding of the displacement counts
+    with this force, however small the force of the stop is.
+    """
+    return np.array([stop.stiffness * abs(stop.gap) for stop in stops])

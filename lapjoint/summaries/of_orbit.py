@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from lapjoint.answers.dissipation import OF_ENERGY, received
 from lapjoint.answers.history import History
@@ -25,7 +26,8 @@ from lapjoint.answers.quantities import QUANTITIES
 from lapjoint.answers.shown import Shown
 from lapjoint.answers.steady_state import SteadyState
 from lapjoint.errors import InputError
-from lapjoint.problem import FloatArray
+from lapjoint.problem import FloatArray, Problem
+from lapjoint.problem.supports_and_stops import forces_at_gaps
 from lapjoint.summaries.correlated_series import standard_error
 from lapjoint.summaries.fatigue_of_orbit import OF_FATIGUE, FatigueSummary, fatigue_of_orbit, fatigue_of_wandering
 from lapjoint.summaries.quantities import IndexArray, Selection, is_rounding, keep_largest, selection
@@ -158,6 +160,7 @@ def summarise(
     )
     unknown = ~np.isfinite(steady.impulse_errors)
     damped = np.array([stop.damping > 0 for stop in steady.problem.stops], dtype=bool)
+    jumps = bool((_bare(steady.problem) & damped & (means["contact_rate"] > 0)).any())
     errors = {}
     for name, value in means.items():
         apart = value - finer[name]
@@ -168,11 +171,25 @@ def summarise(
             concerned = unknown & damped if name == "dissipated_power_total" else unknown
             errors[name][concerned.any()] = math.inf
         elif name in OF_STOPS:
+            if name.startswith("force"):
+                errors[name] += other.floor * np.where(value > 0, forces_at_gaps(steady.problem.structure.stops), 0.0)
             errors[name][unknown] = math.inf
+        elif jumps and dt == 2:
+            errors[name][:] = math.inf
         else:
             errors[name][(value == 0) & (finer[name] == 0)] = 0.0  # both fulfil a condition, e.g. of a free end
     errors["dissipated_power"][~damped] = 0.0
     return OrbitSummary(what, means, errors, fatigue)
+
+
+def _bare(problem: Problem) -> npt.NDArray[np.bool_]:
+    """Whether each stop strikes a beam where there is no mass, ``(S,)``.
+
+    The force of a damped stop begins with a jump.  A mass takes it; on a beam alone the acceleration then goes with
+    t^-1/2 from the moment of the jump, and neither its peak nor its root mean square has a limit.
+    """
+    heavy = {mass.x for mass in problem.structure.masses if mass.mass > 0}
+    return np.array([any(x not in heavy for x, _ in stop.reading) for stop in problem.structure.stops], dtype=bool)
 
 
 def _of_wandering(steady: SteadyState, what: Selection, powers: bool, fatigued: bool) -> OrbitSummary:

@@ -9,13 +9,15 @@ import math
 
 import numpy as np
 import pytest
-from linked_beams import ExactBeams, equal_beams, random_beams, random_state, stiffer_links
+from linked_beams import ExactBeams, equal_beams, random_beams, random_state, resting_beams, stiffer_links
 
+import analytic
+from analytic.march.modal_state import loaded_structure, modal_state
 from analytic.modes.beam_functions import gram, inertia_of
 from analytic.modes.characteristic_equation import layout_of
 from analytic.modes.coupled_beams import CoupledBeams
 from analytic.modes.normal_modes import exact_modes
-from lapjoint import FREE, ContactState, Mass, Problem, SolverError, Stop, Support
+from lapjoint import FREE, ContactState, InputError, Mass, Problem, SolverError, Stop, Support
 from lapjoint.problem import FloatArray, Link, NamedBeam
 
 COUNT = 24
@@ -229,3 +231,33 @@ def test_equal_beams_that_hardly_bend_have_pairs_of_slow_modes(EI: float) -> Non
     assert modes.omega == pytest.approx(np.sqrt([2.0, 2.0, 6.0, 6.0]), abs=near)
     inertia = inertia_of(problem.line, problem.structure.masses)
     assert gram(modes.shapes, modes.shapes, inertia) == pytest.approx(np.eye(4), abs=1e-9)
+
+
+def check_static_forces(number: int) -> None:
+    """Forces of pressed stops by the modes and what they leave, against the equilibrium, which is exact arithmetic on
+    compliances: rounding of a displacement as large as the gap counts with the stiffness of the stop."""
+    problem = resting_beams(np.random.default_rng((491, number)))
+    try:
+        forces = analytic.Solver(n_modes=COUNT).equilibrium(problem).contact_forces
+    except (InputError, SolverError):  # there is none
+        return
+    state = ContactState(tuple(np.flatnonzero(forces > 0).tolist()))
+    found = modal_state(loaded_structure(problem), state, 200)
+    if not state.closed or (found.modes.omega == 0).any():
+        return
+    z = (found.force[0] / found.modes.omega**2) @ found.at_stops.T + found.residual_at_stops[0]
+    for k in state.closed:
+        stop = problem.structure.stops[k]
+        size = stop.stiffness * abs(stop.gap) + forces.max()
+        assert stop.stiffness * (stop.sign * z[k] - stop.gap) == pytest.approx(forces[k], abs=1e-9 * size)
+
+
+def test_static_forces_of_stops_of_any_stiffness_keep_nine_digits() -> None:
+    for number in range(40):
+        check_static_forces(number)
+
+
+@pytest.mark.slow
+def test_many_static_forces_keep_nine_digits() -> None:
+    for number in range(40, 1000):
+        check_static_forces(number)

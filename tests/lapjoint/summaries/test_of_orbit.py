@@ -9,13 +9,28 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from beams import unit_cantilever
 from command_line import PAPER, assert_refused, run
 from population import joint as joint_of
 from settled import amplification
 from toy import bar
 
 import analytic
-from lapjoint import FREQUENCY, Axis, Beam, InputError, Outcome, SteadyState, paper_joint, sweep
+import fe_lapjoint
+from lapjoint import (
+    FREQUENCY,
+    Axis,
+    BaseMotion,
+    Beam,
+    InputError,
+    Mass,
+    Outcome,
+    Problem,
+    SteadyState,
+    Stop,
+    paper_joint,
+    sweep,
+)
 from lapjoint.campaigns.sweep.table import read_curve
 from lapjoint.summaries import summarise
 from lapjoint.summaries.of_orbit import OF_STOPS
@@ -120,3 +135,36 @@ def test_what_is_nothing_but_rounding_is_zero(index: int) -> None:
             assert values[here].tolist() == [0.0] * int(here.sum())
             assert (values[~here] > 1e-6 * values.max()).all()
             assert found.period_multiple == 0 or errors[here].tolist() == [0.0] * int(here.sum())
+
+
+def struck(mass: float) -> Problem:
+    """A cantilever that strikes a pad with a damper at its tip, with a mass there or without."""
+    pad = Stop(name="pad", x=1.0, side="top", gap=1e-3, stiffness=30.0, damping=1.0)
+    masses = (Mass(name="m", x=1.0, mass=mass),) if mass else ()
+    motion = BaseMotion(amplitude=5e-4, angular_frequency=3.2)
+    return unit_cantilever(pad).replace(masses=masses, base_motion=motion)
+
+
+def accelerations(mass: float, n_modes: int, errors: bool = False) -> tuple[float, float]:
+    """Peak of the acceleration of the tip, m/s2, and its error."""
+    found = analytic.Solver(n_modes=n_modes).steady_state(struck(mass), errors=errors)
+    value, error = summarise(found, at=[1.0]).value("absolute_acceleration_peak")
+    return float(value[-1]), float(error[-1])
+
+
+def test_no_error_is_stated_of_an_acceleration_that_has_no_limit() -> None:
+    """The force of a damped stop begins with a jump: the acceleration of a beam alone grows with each mode."""
+    coarse, unknown = accelerations(0.0, 10, errors=True)
+    assert unknown == math.inf
+    fine, finest = accelerations(0.0, 20)[0], accelerations(0.0, 40)[0]
+    assert fine > 1.5 * coarse
+    assert finest > 1.5 * fine
+    found = summarise(fe_lapjoint.Solver(elements=8).steady_state(struck(0.0)))
+    for name in ("absolute_acceleration_peak", "absolute_acceleration_rms"):
+        assert (found.value(name)[1] == math.inf).all()
+    assert (found.value("velocity_rms")[1] < math.inf).all()
+
+
+def test_a_mass_takes_the_jump_of_a_damped_stop() -> None:
+    coarse, error = accelerations(0.3, 10, errors=True)
+    assert abs(accelerations(0.3, 40)[0] - coarse) <= error < 0.1 * coarse

@@ -46,6 +46,37 @@ kind = "beams"
 beams = [{beam = "upper", velocity = [-0.05, -0.02]}, {beam = "lower", velocity = [0.03]}]
 """
 
+PRESSED_PAIR = """
+title = "A bar that lies on a soft tube in water, with a hundred thousandth of the force that the gap stands for"
+stops = [
+    {name = "near", between = ["bar:0.4115", "tube:0.4115"], gap = 2.65e-4, stiffness = 3.5e7},
+    {name = "far", between = ["bar:0.823", "tube:0.823"], gap = -5.19e-4, stiffness = 4.74e7},
+]
+[[beams]]
+name = "bar"
+length = 0.823
+bending_stiffness = 16914.0
+mass_per_length = 23.5
+supports = [{x = 0.0, translational = inf, torsional = 3050.0}]
+[[beams]]
+name = "tube"
+origin = 0.0
+offset = -0.05
+length = 0.823
+bending_stiffness = 2.583
+mass_per_length = 0.0614
+added_mass_per_length = 0.248
+supports = [{x = 0.0, translational = inf, torsional = 18.4}]
+[damping]
+kind = "modal"
+ratio = 0.0752
+[gravity]
+acceleration = -9.81
+[base_motion]
+amplitude = 4.12e-4
+angular_frequency = 13.89
+"""
+
 
 def test_where_two_beams_rest_is_judged_with_the_forces_of_links() -> None:
     problem = from_toml(FREE_PAIR)
@@ -62,6 +93,15 @@ def test_where_two_beams_rest_is_judged_with_the_forces_of_links() -> None:
 def test_opensees_is_not_asked_about_several_beams() -> None:
     with pytest.raises(InputError, match=r"beams: the OpenSees solver works for one \[beam\]"):
         check_beam(lap_joint())
+
+
+@pytest.mark.thorough
+def test_small_forces_of_stiff_stops_agree_within_their_errors() -> None:
+    """A force is the difference of two numbers that are a hundred thousand times as large."""
+    result = own_problem.steady(from_toml(PRESSED_PAIR), "quick", lambda text: None)
+    assert [item.line for item in result.items if item.verdict is not Verdict.AGREE] == []
+    (force,) = (check for check in result.checks if check.name == "Force, near, peak")
+    assert force.allowed < 1e-5 * force.a.value
 
 
 @pytest.mark.slow
