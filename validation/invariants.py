@@ -192,7 +192,8 @@ def gaps(history: History, tolerance: float) -> Criterion:
 
 
 def stated_impulses(history: History, tolerance: float) -> Criterion:
-    """Largest difference between a stated impulse and the integral of the force law, divided by the largest impulse.
+    """Largest difference between a stated impulse and the integral of the force law, beyond what the integral leaves
+    open, divided by the largest impulse.
 
     Parameters
     ----------
@@ -221,7 +222,8 @@ def _breaks(history: History, contact: Contact) -> FloatArray:
 
 
 def stated_energies(history: History, tolerance: float) -> Criterion:
-    """Largest difference between a stated energy lost in a damped stop and the force law's, divided by the largest.
+    """Largest difference between a stated energy lost in a damped stop and the force law's, beyond what the integral
+    leaves open, divided by the largest.
 
     Parameters
     ----------
