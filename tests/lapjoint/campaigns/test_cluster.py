@@ -28,9 +28,6 @@ from lapjoint.errors import InputError, SolverError
 pytest.importorskip("distributed")
 JOINT = paper_joint()
 AXES = [Axis(FREQUENCY, range(100, 140))]
-forgets = pytest.mark.filterwarnings("ignore:unclosed <socket:ResourceWarning")
-"""Of tests whose cluster dies: dask forgets a connection that it is making to a worker meanwhile.  They collect the
-garbage themselves: a later test would have to answer for it."""
 
 
 class Cluster(NamedTuple):
@@ -186,7 +183,6 @@ def test_an_address_that_is_none_is_refused(address: str, monkeypatch: pytest.Mo
         sweep(JOINT, AXES, scheduler=address, options={"n_modes": 4})
 
 
-@forgets
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("lost", "message"),
@@ -218,7 +214,6 @@ def test_a_cluster_that_dies_ends_the_sweep_with_a_message(
     assert not caplog.records
 
 
-@forgets
 @pytest.mark.thorough
 def test_answers_that_are_lost_with_their_workers_are_not_waited_for(
     doomed: Cluster, cluster: Cluster, tmp_path: Path
@@ -241,7 +236,6 @@ def test_answers_that_are_lost_with_their_workers_are_not_waited_for(
         patched.setattr(Client, "gather", too_late)
         with pytest.raises(SolverError, match="all workers of the scheduler are gone"):
             sweep(JOINT, AXES, scheduler=doomed.address, **given)
-    gc.collect()
     found = sweep(JOINT, AXES, scheduler=cluster.address, **given)
     assert (found.outcome.values == 1).all()
 
