@@ -249,15 +249,15 @@ def check_static_forces(number: int) -> None:
     for k in state.closed:
         stop = problem.structure.stops[k]
         size = stop.stiffness * abs(stop.gap) + forces.max()
-        assert stop.stiffness * (stop.sign * z[k] - stop.gap) == pytest.approx(forces[k], abs=1e-9 * size)
+        assert stop.stiffness * (stop.sign * z[k] - stop.gap) == pytest.approx(forces[k], abs=1e-8 * size)
 
 
-def test_static_forces_of_stops_of_any_stiffness_keep_nine_digits() -> None:
+def test_static_forces_of_stops_of_any_stiffness_keep_eight_digits() -> None:
     for number in range(40):
         check_static_forces(number)
 
 
 @pytest.mark.slow
-def test_many_static_forces_keep_nine_digits() -> None:
+def test_many_static_forces_keep_eight_digits() -> None:
     for number in range(40, 1000):
         check_static_forces(number)
