@@ -65,8 +65,7 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         errors.append(np.where(together, bounds, np.inf))
     sizes = [(one.end, abs(one.impulse), one.peak_force, abs(one.dissipated)) for one in history.contacts]
     largest = np.maximum.accumulate(np.array(sizes).reshape(-1, 4)).T
-    held = forces_at_gaps(history.problem.structure.stops)[[one.stop for one in history.contacts]]
-    largest[1:3] += np.stack([held * [one.duration for one in history.contacts], held])
+    largest[1:3] += sizes_at_gaps(history)
     floors = ROUNDING * largest
     contacts = with_errors(history, *(error + floor for error, floor in zip(errors, floors, strict=True)))
     source = f"compared with {refinement.name}"
@@ -76,6 +75,13 @@ def with_contact_errors(history: History, refinement: Refinement, finer: Callabl
         source += f"; from {contacts[parted].start:.6g} s on the two motions part, and no error can be stated"
     lost = _lost_errors(history, other, refinement, found) if parted == len(contacts) else None
     return replace(history, contacts=contacts, error_source=source, lost_errors=lost)
+
+
+def sizes_at_gaps(history: History) -> FloatArray:
+    """Impulse, N s, and force, N, of each contact at a penetration as large as the gap, ``(2, contacts)``: rounding
+    counts with these."""
+    forces = forces_at_gaps(history.problem.structure.stops)[[one.stop for one in history.contacts]]
+    return np.stack([forces * [one.duration for one in history.contacts], forces])
 
 
 def _lost_errors(history: History, finer: History, refinement: Refinement, found: Differences) -> FloatArray:

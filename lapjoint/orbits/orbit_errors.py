@@ -20,7 +20,13 @@ from lapjoint.answers.dissipation import OF_ENERGY
 from lapjoint.answers.history import Contact, History
 from lapjoint.answers.steady_state import Comparison, impulses_per_period
 from lapjoint.errors import InputError, SolverError
-from lapjoint.orbits.contact_errors import differences, with_errors, without_broken, without_contact_errors
+from lapjoint.orbits.contact_errors import (
+    differences,
+    sizes_at_gaps,
+    with_errors,
+    without_broken,
+    without_contact_errors,
+)
 from lapjoint.orbits.force_breaks import cut, undecided_breaks_of_orbit
 from lapjoint.orbits.half_periods import HalfPeriods
 from lapjoint.orbits.newton import RESIDUAL, Orbit, find_orbit
@@ -168,13 +174,13 @@ def _with_contact_errors(
         refinement.bounds(values, float(values[np.isfinite(values)].max(initial=0.0)), dt=dt)
         for values, dt in ((found.start, 0), (found.impulse, 0), (found.peak_force, 0), (found.dissipated, OF_ENERGY))
     )
-    held = forces_at_gaps(history.problem.structure.stops)[[contact.stop for contact in whole]]
-    lasts = np.array([contact.duration for contact in whole])
-    impulse += floor * (max((abs(contact.impulse) for contact in whole), default=0.0) + held * lasts)
-    peak += floor * (max((contact.peak_force for contact in whole), default=0.0) + held)
+    impulses, forces = sizes_at_gaps(history)
+    together = np.bincount(np.array(number, dtype=int), impulses, len(whole))  # of both parts of a contact that is cut
+    impulse += floor * (max((abs(contact.impulse) for contact in whole), default=0.0) + together)
+    peak += floor * max((contact.peak_force for contact in whole), default=0.0)
     dissipated += floor * max((abs(contact.dissipated) for contact in whole), default=0.0)
     start += floor * period
-    contacts = with_errors(history, start[number], impulse[number], peak[number], dissipated[number])
+    contacts = with_errors(history, start[number], impulse[number], peak[number] + floor * forces, dissipated[number])
     return replace(history, contacts=contacts)
 
 

@@ -73,6 +73,19 @@ def test_a_contact_that_the_section_point_cuts_is_compared_as_a_whole() -> None:
     assert cut[1].start_error == pytest.approx(contact.start_error, rel=0.1)
 
 
+def test_rounding_counts_with_both_parts_of_a_contact_that_the_section_point_cuts() -> None:
+    """Both resolutions are the same here, so that rounding is the whole error."""
+    plain = answered(TOUCHING, 1e9, finer(TOUCHING, 1e9))
+    contact = next(one for one in plain.history.contacts if not (one.open_start or one.open_end))
+    shifted = TOUCHING.with_base_numbers(phase=0.8 * (contact.start + contact.end) / 2)
+    found = answered(shifted, 1e9, finer(shifted, 1e9))
+    halves = [one for one in found.history.contacts if one.stop == contact.stop]
+    assert len(halves) == 2
+    assert contact.impulse_error is not None
+    assert contact.impulse_error > 0
+    assert [half.impulse_error for half in halves] == pytest.approx([contact.impulse_error] * 2, rel=0.1)
+
+
 def test_a_solver_without_a_finer_self_says_so() -> None:
     found = answered(TOUCHING, 10.0, None)
     assert found.impulse_errors is None
