@@ -24,13 +24,10 @@ def served(make: Callable[[], Any]) -> Iterator[str]:
 
     pn.extension(inline=True)
     running: Queue[Any] = Queue()
-    streams: list[Any] = []
 
     def run() -> None:
         asyncio.set_event_loop(loop := asyncio.new_event_loop())
         server = pn.serve({"page": make}, address="127.0.0.1", port=0, show=False, start=False, verbose=False)
-        serve = server._http.handle_stream
-        server._http.handle_stream = lambda stream, peer: (streams.append(stream), serve(stream, peer))[1]
         server.start()
         running.put(server)
         server.io_loop.start()
@@ -44,8 +41,7 @@ def served(make: Callable[[], Any]) -> Iterator[str]:
         while any(session.connection_count for session in server.get_sessions()):  # a socket of a browser that closes
             await asyncio.sleep(0.01)
         server.stop()
-        for stream in streams:  # tornado's own `close_all_connections` leaves out those that became web sockets
-            stream.close()
+        await server._http.close_all_connections()
         server.io_loop.stop()
 
     try:
