@@ -201,12 +201,9 @@ class CurveView:
         try:
             value = float(event.new)
         except ValueError:
-            text = f"{event.new!r}: must be a number, in {self._unit}"
-            event.obj.param.update(error_state=True, helper_text=text)
+            event.obj.param.update(error_state=True, helper_text=f"{event.new!r}: must be a number, in {self._unit}")
             return
-        if value != self._ends[(self._first, self._last).index(event.obj)]:
-            first, last = (
-                value if one is event.obj else end
-                for one, end in zip((self._first, self._last), self._ends, strict=True)
-            )
+        i = (self._first, self._last).index(event.obj)
+        if value != self._ends[i]:
+            first, last = (value if k == i else end for k, end in enumerate(self._ends))
             self._turn(first, last)

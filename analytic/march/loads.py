@@ -96,7 +96,7 @@ def unit_loads(problem: Problem, positions: Positions, state: ContactState, node
                 add(row, stop.shape, -stop.stiffness * stop.base_share)
     for support in problem.structure.supports:
         if math.isinf(support.translational):  # a fixed point does not move, and the modes are there 0 but for rounding
-            total.concentrated[:, np.argmin(np.abs(nodes - support.x))] = 0.0
+            total.concentrated[:, _node_at(support.x, nodes)] = 0.0
     return total
 
 
@@ -104,7 +104,12 @@ def acting(shape: LoadShape, nodes: FloatArray) -> Loads:
     """One load of size 1 on a beam with `nodes`, m, ascending, which the load's edges are among, to rounding."""
     middle, loads = (nodes[:-1] + nodes[1:]) / 2, Loads(np.zeros((1, nodes.size - 1)), np.zeros((1, nodes.size)))
     for x, force in shape.points:
-        loads.concentrated[0, np.argmin(np.abs(nodes - x))] += force  # nodes are (x / L) L: a rounding from x
+        loads.concentrated[0, _node_at(x, nodes)] += force
     for start, end, force in shape.pieces:
         loads.distributed[0, (middle > start) & (middle < end)] += force
     return loads
+
+
+def _node_at(x: float, nodes: FloatArray) -> int:
+    """The index of the node at ``x``, m: nodes are (x / L) L, a rounding from x."""
+    return int(np.argmin(np.abs(nodes - x)))
